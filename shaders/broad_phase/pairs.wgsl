@@ -35,7 +35,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 #endif
     let own = entries[i];
     // After an overflow nothing has moved, and there may be no poses yet: all bodies at one place are pairs without end.
-    let is_void = status[OVERFLOW] != 0u;
+    let is_void = status[OVERFLOW] != 0u || step.is_over != 0u;
     var level = own.level;
     var is_crowded = false;
     while !is_void && !is_crowded && own.radius > 0.0 && level < 64 {

@@ -9,6 +9,7 @@
 @group(0) @binding(3) var<storage, read_write> near_arguments: array<u32>;
 // x: number of the batch. y: number of batches.
 @group(0) @binding(4) var<uniform> constants: vec4<u32>;
+@group(0) @binding(5) var<uniform> step: t::Step;
 
 @compute @workgroup_size(1)
 fn main() {
@@ -16,7 +17,8 @@ fn main() {
     let pairs = pairs_in(constants.xy);
     contact_counters[t::BATCH_PAIRS] = pairs;
     // One slot per pair of all batches, and one per body and half-space.
-    let slots = contact_counters[t::MARGIN_PAIRS] + limits.bodies * limits.planes;
+    let all_slots = contact_counters[t::MARGIN_PAIRS] + limits.bodies * limits.planes;
+    let slots = select(all_slots, 0u, step.is_over != 0u);
     contact_counters[t::CONTACT_SLOTS] = slots;
     set_rows(t::GROUPS_PER_MARGIN_PAIR, pairs);
     set_rows(t::GROUPS_PER_64_MARGIN_PAIRS, divide_up(pairs, 64u));

@@ -35,7 +35,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var k = 0u; k < limits.planes; k += 1u) {
         let slot = slot_of_plane(index, k, before, limits.planes);
         var count = 0u;
-        if bodies[index].inactive == 0u || step.planes_changed != 0u {
+        if step.is_over == 0u && (bodies[index].inactive == 0u || step.planes_changed != 0u) {
             count = find(bodies[index], planes[k], thread);
         }
         if thread == 0u {

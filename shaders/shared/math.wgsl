@@ -135,3 +135,8 @@ fn ascending(x: f32) -> u32 {
     let bits = bitcast<u32>(x);
     return select(bits | 0x80000000u, ~bits, (bits >> 31u) != 0u);
 }
+
+// The inverse of `ascending`.
+fn descending(x: u32) -> f32 {
+    return bitcast<f32>(select(~x, x ^ 0x80000000u, (x >> 31u) != 0u));
+}

@@ -35,7 +35,8 @@ struct Step {
     same_numbers: u32,
     // The length of a further list.
     piece_capacity: u32,
-    padding: u32,
+    // Not 0: the step has passed through all collision substeps that it needs. More of them are recorded, and do nothing.
+    is_over: u32,
 }
 
 // Input and state of a body. Unused slots have a radius of zero.
@@ -163,6 +164,45 @@ struct Mesh {
     caps: u32,
     box_half: vec3<f32>,
     cap_count: u32,
+}
+
+// The sphere that a collider sweeps over in a step, with the part of its margin that does not depend on a direction.
+struct Sweep {
+    center: vec3<f32>,
+    radius: f32,
+    // How far the centre moves.
+    travel: vec3<f32>,
+    // As in `Body`.
+    flags: u32,
+}
+
+// For the first body of a group: its solid bodies, and what is static and in their way. Velocities are integers in the order
+// of the floats (`ascending`), 0 for none.
+struct Meeting {
+    // Along each axis.
+    highest: array<atomic<u32>, 3>,
+    // Not 0: the group has two bodies, or one and something static.
+    exists: atomic<u32>,
+    // Of the negated velocities.
+    highest_negated: array<atomic<u32>, 3>,
+    // The largest speed of a surface relative to its body's centre of mass, as bits.
+    spin: atomic<u32>,
+    // Thickness of the thinnest body, as bits.
+    thinnest: atomic<u32>,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
+}
+
+// How a step is divided into collision substeps.
+struct Division {
+    // How far two surfaces may move relative to each other in one, in units of the thickness of the thinnest body.
+    travel: f32,
+    // The largest number.
+    most: u32,
+    // The number for which there are commands.
+    recorded: u32,
+    padding: u32,
 }
 
 // A body in the sorted grid.

@@ -40,6 +40,18 @@ struct CollisionSubstep {
     sleep_time: f32,
 }
 
+// What depends on the number of collision substeps: fields of `CollisionSubstep` and of `Step`.
+struct Pace {
+    h: f32,
+    dt: f32,
+    speculative_time: f32,
+    substeps: u32,
+    bias_rate: f32,
+    mass_scale: f32,
+    impulse_scale: f32,
+    stiffness: f32,
+}
+
 // Properties of a collider and its body, constant within a step. A body has the number of its first collider.
 struct SolverBody {
     // In the body's own axes, 1/(kg m^2).

@@ -10,12 +10,17 @@
 
 @compute @workgroup_size(1)
 fn main() {
+    if step.is_over != 0u {
+        return;
+    }
     for (var k = 0u; k < t::CONTACT_COUNTERS; k += 1u) {
         tally[k] = max(tally[k], contact_counters[k]);
     }
     tally[t::MAX_SPHERE_PAIRS] = max(tally[t::MAX_SPHERE_PAIRS], counters[t::SPHERE_PAIRS]);
     tally[t::COLLISION_SUBSTEPS] += 1u;
     tally[t::TOUCHING_NOW] = 0u;
+    tally[t::LAST_CONTACT_PAIRS] = contact_counters[t::CONTACT_PAIRS];
+    tally[t::LAST_CONTACT_POINTS] = contact_counters[t::CONTACT_POINTS];
     if contact_counters[t::CONTACTS_SKIPPED] != 0u
         || counters[t::HITS] > step.hit_limit
         || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity

@@ -71,7 +71,7 @@ layout! {
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
         contact_margin: f32, speculative_time: f32, planes_changed: u32, compounds: u32,
         drift: Vec3, has_fast_bodies: u32,
-        hit_limit: u32, same_numbers: u32, piece_capacity: u32, padding: u32,
+        hit_limit: u32, same_numbers: u32, piece_capacity: u32, is_over: u32,
     }
     /// Input and state of a body.
     Body {
@@ -114,6 +114,21 @@ layout! {
         groups: u32, group_words: u32, features: u32, corners: u32,
         box_center: Vec3, caps: u32,
         box_half: Vec3, cap_count: u32,
+    }
+    /// The sphere that a collider sweeps over in a step.
+    Sweep {
+        center: Vec3, radius: f32,
+        travel: Vec3, flags: u32,
+    }
+    /// The solid bodies of a group that can meet within a step.
+    Meeting {
+        highest: [u32; 3], exists: u32,
+        highest_negated: [u32; 3], spin: u32,
+        thinnest: u32, padding_a: u32, padding_b: u32, padding_c: u32,
+    }
+    /// How a step is divided into collision substeps.
+    Division {
+        travel: f32, most: u32, recorded: u32, padding: u32,
     }
     /// A body in the sorted grid.
     GridEntry {
@@ -340,6 +355,8 @@ constants! {
     u32 SELECTED = 13;
     /// Pieces of pairs of large meshes.
     u32 PIECES = 14;
+    /// Number of collision substeps that the step needs.
+    u32 NEEDED_SUBSTEPS = 15;
     u32 COUNTERS = 16;
 
     // Slots of `arguments`: a workgroup per 64 pairs, per pair, per block of a sort of two entries per pair, per block
@@ -421,5 +438,8 @@ constants! {
     u32 MAX_SPIN = 35;
     /// Not 0: a collider was not inactive in the last collision substep, or a body that can move is awake after it.
     u32 AWAKE = 36;
+    // Of the last collision substep.
+    u32 LAST_CONTACT_PAIRS = 37;
+    u32 LAST_CONTACT_POINTS = 38;
     u32 TALLIES = 40;
 }

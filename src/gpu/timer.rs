@@ -52,6 +52,22 @@ impl Timer {
         }
     }
 
+    /// Writes the time stamp at the beginning of a stage that has two passes.
+    pub fn start(&self, stage: Stage, collision_substep: u32) -> ComputePassTimestampWrites<'_> {
+        ComputePassTimestampWrites {
+            end_of_pass_write_index: None,
+            ..self.around(stage, collision_substep)
+        }
+    }
+
+    /// The same at its end.
+    pub fn end(&self, stage: Stage, collision_substep: u32) -> ComputePassTimestampWrites<'_> {
+        ComputePassTimestampWrites {
+            beginning_of_pass_write_index: None,
+            ..self.around(stage, collision_substep)
+        }
+    }
+
     /// Resolves the time stamps. Record it after the stages of all collision substeps.
     pub fn resolve(&self, encoder: &mut CommandEncoder, collision_substeps: u32) {
         encoder.resolve_query_set(&self.queries, 0..collision_substeps * COUNT, &self.resolved, 0);

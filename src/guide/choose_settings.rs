@@ -120,8 +120,7 @@
 //! a hash of the poses now and then, and send a [`Snapshot`] when they differ.
 //!
 //! **On a GPU** the same device, driver and build repeat themselves with [`Readback::Lockstep`]. Another device or driver gives
-//! other bits. With [`Readback::Latent`] and [`Readback::Resident`] the number of collision substeps may differ from that of
-//! `Lockstep`, and with it the bits; so it may in the first steps with contacts after a [`Snapshot`] was restored.
+//! other bits.
 //!
 //! What a [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds is equal too, but for ties: which of two hits at exactly the
 //! same distance comes first depends on how bodies were spawned.

@@ -90,8 +90,8 @@
 //! [`FaceoffStep`](crate::plugin::FaceoffStep) runs in `FixedPostUpdate`. It reads components into plain arrays, runs the
 //! stages, and writes the results back. With [`Response::Contacts`](crate::types::settings::Response) it is divided
 //! into 1 to 8 *collision substeps*: as many as it takes that no two surfaces move by more than a quarter of the thinnest
-//! body between two searches for contacts, as far as 8 suffice. Only relative motion counts. On the CPU each group of
-//! bodies that can meet in the step has its own number, and pairs that overlap deeply keep their contact points until they
+//! body between two searches for contacts, as far as 8 suffice. Only relative motion counts, and only that of bodies that
+//! can meet in the step. On the CPU each group of such bodies has its own number, and pairs that overlap deeply keep their contact points until they
 //! have moved twice as far.
 //!
 //! ## BroadPhase: a grid
@@ -217,10 +217,12 @@
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
 //! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same device |
-//! | collision substeps | each group of bodies that can meet has its own number | all bodies have the largest |
+//! | collision substeps | each group of bodies that can meet has its own number | all bodies have the largest number of a group |
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
-//! A step on a GPU is one submission, for any number of collision substeps. With
+//! A step on a GPU is one submission, for any number of collision substeps. The device counts those that the step needs, but
+//! their commands are recorded before: for a number that the last steps suggest. More than needed do nothing; with fewer,
+//! the step does nothing and is submitted again, as if a list were too short. With
 //! [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) the CPU takes part in each of them: when its
 //! contacts are solved, the CPU reads which bodies may meet the fast ones, stops these in double precision, and the GPU goes on. Bodies, the solver's memory and sleep states
 //! stay on the device. [`Readback`](crate::plugin::settings::Readback) tells when the results reach components. A step in

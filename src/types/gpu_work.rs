@@ -55,7 +55,8 @@ impl GpuWork {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub struct GpuLists {
-    /// Pairs of bodies whose bounding spheres overlap.
+    /// Pairs of bodies whose bounding spheres overlap. If several collision substeps may be needed, the list first holds the
+    /// pairs that can meet within the step.
     pub sphere_pairs: GpuList,
     /// Pairs of intersecting faces.
     pub face_pairs: GpuList,

@@ -30,10 +30,7 @@ pub enum Response {
     /// whatever the [`Culling`].
     ///
     /// It runs on the GPU too. The CPU stops bodies that have
-    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) in the midst of a step. With
-    /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
-    /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) the number of collision substeps of a step
-    /// follows from the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.
+    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) in the midst of a step.
     #[default]
     Contacts,
 }

@@ -238,6 +238,7 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
             capacity: &capacity,
             contact_capacity: (response != Response::Impulse).then_some(&contact_capacity),
             may_sleep,
+            is_begun: false,
         };
         let alone = Place::of(0, 1);
         add(
@@ -245,6 +246,7 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
             &IMPULSE_SETS,
         );
         add(recorder(Response::None, false).calls(&Stage::ALL, alone), &CONTACT_SETS);
+        add(recorder(Response::Contacts, true).reach(), &CONTACT_SETS);
         for may_sleep in [true, false] {
             for place in [alone, Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)] {
                 let calls = recorder(Response::Contacts, may_sleep).calls(&Stage::ALL, place);

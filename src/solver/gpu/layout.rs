@@ -18,6 +18,11 @@ layout! {
         substeps: u32, bias_iterations: u32, relax_iterations: u32, restitution_iterations: u32,
         max_iterations: u32, dt: f32, sleep_speed: f32, sleep_time: f32,
     }
+    /// What depends on the number of collision substeps.
+    Pace {
+        h: f32, dt: f32, speculative_time: f32, substeps: u32,
+        bias_rate: f32, mass_scale: f32, impulse_scale: f32, stiffness: f32,
+    }
     /// Properties of a body, constant within a step.
     SolverBody {
         inverse_inertia: Vec3, inverse_mass: f32,

@@ -25,8 +25,16 @@ pub fn collision_substep(
     [bodies, old_bodies]: [u32; 2],
     capacity: super::SolverCapacity,
 ) -> layout::CollisionSubstep {
-    let h = collision_substep.dt / collision_substep.substeps.max(1) as f32;
-    let softness = Softness::new(settings, h);
+    let layout::Pace {
+        h,
+        dt,
+        substeps,
+        bias_rate,
+        mass_scale,
+        impulse_scale,
+        stiffness,
+        ..
+    } = pace(settings, collision_substep);
     layout::CollisionSubstep {
         gravity: collision_substep.gravity.to_array(),
         h,
@@ -34,10 +42,10 @@ pub fn collision_substep(
         old_bodies,
         pair_capacity: capacity.pairs,
         point_capacity: capacity.points,
-        bias_rate: softness.bias_rate,
-        mass_scale: softness.mass_scale,
-        impulse_scale: softness.impulse_scale,
-        stiffness: (TAU * settings.frequency / h).powi(2),
+        bias_rate,
+        mass_scale,
+        impulse_scale,
+        stiffness,
         max_depenetration_speed: settings.max_depenetration_speed,
         deep_depenetration_speed: settings.deep_depenetration_speed,
         deep_penetration: settings.deep_penetration,
@@ -46,14 +54,31 @@ pub fn collision_substep(
         match_distance: settings.match_distance,
         match_normal: settings.match_normal,
         convergence_speed: settings.convergence_speed,
-        substeps: collision_substep.substeps.max(1),
+        substeps,
         bias_iterations: settings.bias_iterations,
         relax_iterations: settings.relax_iterations,
         restitution_iterations: settings.restitution_iterations,
         max_iterations: settings.max_iterations,
-        dt: collision_substep.dt,
+        dt,
         sleep_speed: settings.sleep_speed,
         sleep_time: settings.sleep_time,
+    }
+}
+
+/// What of them depends on the length of the collision substep.
+pub fn pace(settings: &SolverSettings, collision_substep: &CollisionSubstep) -> layout::Pace {
+    let substeps = collision_substep.substeps.max(1);
+    let h = collision_substep.dt / substeps as f32;
+    let softness = Softness::new(settings, h);
+    layout::Pace {
+        h,
+        dt: collision_substep.dt,
+        substeps,
+        bias_rate: softness.bias_rate,
+        mass_scale: softness.mass_scale,
+        impulse_scale: softness.impulse_scale,
+        stiffness: (TAU * settings.frequency / h).powi(2),
+        ..Default::default()
     }
 }
 

@@ -1,12 +1,13 @@
 //! The buffers between contact generation and the solver, and those that persist between steps.
 
 use crate::gpu::buffers::{Capacity, buffers, grow};
-use crate::gpu::layout::{ContactPair, ContactPoint, TALLIES, Touch};
+use crate::gpu::layout::{ContactPair, ContactPoint, Division, Meeting, Sweep, TALLIES, Touch};
 use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::gpu::SolverCapacity;
 use crate::solver::gpu::layout::{
-    BodyForces, COUNTERS, CollisionSubstep, MotionState, SLOTS, SavedPair, SavedPoint, SolverBody,
+    BodyForces, COUNTERS, CollisionSubstep, MotionState, Pace, SLOTS, SavedPair, SavedPoint, SolverBody,
 };
+use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 use wgpu::Buffer;
 
 /// Capacity of the lists.
@@ -95,6 +96,14 @@ buffers! {
         forces: ARRAY BodyForces, capacity.solver().bodies, "forces";
         /// As the host sends them. Kernels clear the impulses of the copy.
         sent_forces: ARRAY BodyForces, capacity.solver().bodies, "forces as sent";
+        /// How the step is divided into collision substeps.
+        division: UNIFORM Division, 1u32, "division of the step";
+        /// The lengths of collision substeps, by their number.
+        paces: ARRAY Pace, MAX_COLLISION_SUBSTEPS, "lengths of collision substeps";
+        /// What each collider sweeps over in the step.
+        sweeps: ARRAY Sweep, capacity.solver().bodies, "sweeps";
+        /// What can meet in each group of bodies.
+        meetings: ARRAY Meeting, capacity.solver().bodies, "meetings";
         /// Parameters of the first collision substep.
         first_collision_substep: ARRAY CollisionSubstep, 1u32, "first collision substep";
         /// Parameters of the later ones.

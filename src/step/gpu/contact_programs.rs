@@ -56,6 +56,10 @@ pub struct ContactPrograms {
     pub step: StepBuffers,
     /// Finds contact points, and moves bodies without a response: [`Response::None`].
     report: Program,
+    /// Places the bodies and counts the collision substeps, if there may be several.
+    reach: Program,
+    /// The broad phase of the first collision substep after that.
+    after_reach: Program,
     /// Finds contact points in the first collision substep.
     first: Program,
     /// Finds them in the later ones.
@@ -81,6 +85,8 @@ impl ContactPrograms {
             solver: SolverBuffers::new(gpu, capacity.solver())?,
             step: StepBuffers::new(gpu, capacity)?,
             report: Program::default(),
+            reach: Program::default(),
+            after_reach: Program::default(),
             first: Program::default(),
             later: Program::default(),
             solve: Default::default(),
@@ -93,7 +99,13 @@ impl ContactPrograms {
         let [first, middle, last] = [Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)];
         let report = bind(simple.calls(&Stage::ALL, Place::of(0, 1)));
         if capacity.solves {
+            let after_reach = Recorder {
+                is_begun: true,
+                ..contacts
+            };
             let programs = [
+                bind(contacts.reach()),
+                bind(after_reach.calls(&[Stage::BroadPhase], first)),
                 bind(contacts.calls(&DETECTION, first)),
                 bind(contacts.calls(&DETECTION, middle)),
                 bind(contacts.calls(&[Stage::Integrate], middle)),
@@ -105,7 +117,14 @@ impl ContactPrograms {
                 bind(recorder.calls(&[Stage::ForceScan], Place::of(0, 1)))
             });
             made.solve = solve;
-            [made.first, made.later, made.between, made.last] = programs;
+            [
+                made.reach,
+                made.after_reach,
+                made.first,
+                made.later,
+                made.between,
+                made.last,
+            ] = programs;
         }
         made.report = report;
         Ok(made)
@@ -201,13 +220,28 @@ impl ContactPrograms {
         commands.copy(collision_substep, &solver.collision_substep);
         commands.copy(numbers, &step.new_numbers);
         commands.clear(&self.contacts.contact_counters);
+        let counts_substeps = is_first && input.counts_substeps();
+        if counts_substeps {
+            let start = timer.map(|timer| timer.start(Stage::BroadPhase, number));
+            self.reach
+                .record(Stage::BroadPhase, commands, input.population(), start);
+            commands.clear(&buffers.buckets);
+        }
         for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::Integrate) {
+            let is_begun = counts_substeps && stage == Stage::BroadPhase;
             let program = match stage {
                 Stage::ForceScan => &self.solve[usize::from(input.may_sleep())],
                 Stage::TriangleTest if !reads_pairs => &nothing,
+                Stage::BroadPhase if is_begun => &self.after_reach,
                 _ => find,
             };
-            let around = timer.map(|timer| timer.around(stage, number));
+            let around = timer.map(|timer| {
+                if is_begun {
+                    timer.end(stage, number)
+                } else {
+                    timer.around(stage, number)
+                }
+            });
             program.record(stage, commands, input.population(), around);
             if stage == Stage::BroadPhase && is_first {
                 // Copy for rendering.
@@ -220,12 +254,15 @@ impl ContactPrograms {
     }
 
     /// Records the motion of the bodies in a collision substep.
-    pub fn record_motion(&self, commands: &mut Commands, input: &SolverInput, number: u32, timer: Option<&Timer>) {
-        let program = if Place::of(number, input.collision_substeps).is_last {
-            &self.last
-        } else {
-            &self.between
-        };
+    pub fn record_motion(
+        &self,
+        commands: &mut Commands,
+        input: &SolverInput,
+        place: Place,
+        number: u32,
+        timer: Option<&Timer>,
+    ) {
+        let program = if place.is_last { &self.last } else { &self.between };
         let around = timer.map(|timer| timer.around(Stage::Integrate, number));
         program.record(Stage::Integrate, commands, input.population(), around);
     }
@@ -237,5 +274,6 @@ fn recorder<'s>(response: Response, buffers: &'s Buffers, capacity: &'s StepCapa
         capacity: &buffers.capacity,
         contact_capacity: Some(capacity),
         may_sleep: false,
+        is_begun: false,
     }
 }

@@ -6,10 +6,13 @@
 //! nothing, and the step is repeated.
 
 use super::contact_programs::ContactPrograms;
+use super::solver_input::SolverInput;
 use crate::ccd::stage::Ccd;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::commands::Commands;
-use crate::gpu::layout::{CONTACT_PAIRS, CONTACT_RESULTS, COUNTERS, ContactPair, ContactPoint, SKIPPED, SPHERE_PAIRS};
+use crate::gpu::layout::{
+    CONTACT_PAIRS, CONTACT_RESULTS, COUNTERS, ContactPair, ContactPoint, NEEDED_SUBSTEPS, SKIPPED, SPHERE_PAIRS,
+};
 use crate::gpu::readback::DeviceError;
 use crate::solver::gpu::layout::MotionState;
 use crate::solver::gpu::upload;
@@ -49,22 +52,36 @@ struct Excerpt {
 }
 
 impl FastBodies<'_> {
-    /// Stops fast bodies in a collision substep of `dt` seconds whose contacts are solved by the commands that are recorded
-    /// so far.
+    /// Stops fast bodies in a collision substep whose contacts are solved by the commands that are recorded so far. Returns
+    /// the number of collision substeps of the step, which the device has counted.
     ///
     /// # Errors
     /// If the device fails.
     pub fn stop(
         &self,
-        dt: f32,
+        solver: &SolverInput,
         ccd: &mut Ccd,
         commands: &mut Commands,
         buffers: &Buffers,
         contacts: &ContactPrograms,
         impacts: &mut Impacts,
-    ) -> Result<(), DeviceError> {
-        let Some(mut excerpt) = self.read(dt, commands, buffers, contacts, impacts)? else {
-            return Ok(());
+    ) -> Result<u32, DeviceError> {
+        let points = &contacts.contacts;
+        let counts = commands.fetch(&[
+            rows::<u32>(&buffers.counters, 0..COUNTERS),
+            rows::<u32>(&points.contact_counters, 0..CONTACT_RESULTS),
+        ])?;
+        let counts: Vec<u32> = pod_collect_to_vec(&counts);
+        let (counters, found) = counts.split_at(COUNTERS as usize);
+        let substeps = counters[NEEDED_SUBSTEPS as usize];
+        impacts.skipped |= counters[SKIPPED as usize] != 0;
+        if impacts.skipped {
+            return Ok(substeps);
+        }
+        let list_lengths = [counters[SPHERE_PAIRS as usize], found[CONTACT_PAIRS as usize]];
+        let dt = solver.dt(substeps);
+        let Some(mut excerpt) = self.read(list_lengths, dt, commands, buffers, contacts)? else {
+            return Ok(substeps);
         };
         let Excerpt {
             colliders,
@@ -100,36 +117,25 @@ impl FastBodies<'_> {
             let velocities = [motion.linear_velocity, motion.angular_velocity];
             impacts.velocities.insert(number, velocities);
         }
-        Ok(())
+        Ok(substeps)
     }
 
-    /// Reads what may meet fast bodies; `None` if nothing does.
+    /// Reads what may meet fast bodies, from lists of this many sphere pairs and manifolds; `None` if nothing does.
     fn read(
         &self,
+        [pair_count, touching_count]: [u32; 2],
         dt: f32,
         commands: &mut Commands,
         buffers: &Buffers,
         contacts: &ContactPrograms,
-        impacts: &mut Impacts,
     ) -> Result<Option<Excerpt>, DeviceError> {
         let (step, points) = (&contacts.step, &contacts.contacts);
-        let counts = commands.fetch(&[
-            rows::<u32>(&buffers.counters, 0..COUNTERS),
-            rows::<u32>(&points.contact_counters, 0..CONTACT_RESULTS),
-        ])?;
-        let counts: Vec<u32> = pod_collect_to_vec(&counts);
-        let (counters, found) = counts.split_at(COUNTERS as usize);
-        impacts.skipped |= counters[SKIPPED as usize] != 0;
-        if impacts.skipped {
-            return Ok(None);
-        }
-        let pair_count = counters[SPHERE_PAIRS as usize];
         if pair_count == 0 {
             return Ok(None);
         }
         let lists = commands.fetch(&[
             rows::<[u32; 2]>(&buffers.sphere_pairs, 0..pair_count),
-            rows::<ContactPair>(&points.contact_pairs, 0..found[CONTACT_PAIRS as usize]),
+            rows::<ContactPair>(&points.contact_pairs, 0..touching_count),
         ])?;
         let (pairs, touching) = lists.split_at(pair_count as usize * size_of::<[u32; 2]>());
         let mut pairs: Vec<[u32; 2]> = pod_collect_to_vec(pairs);

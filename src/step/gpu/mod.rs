@@ -10,6 +10,7 @@
 //! | `upload`, `solver_input` | the input of a step |
 //! | `remap` | the numbers of bodies in the last step and in this one |
 //! | `record` | the kernels of each part of a step, in the order of [`order`](crate::step::order) |
+//! | `reach` | how many collision substeps a step needs |
 //! | `buffers`, `contact_programs` | buffers and calls of steps with contact points |
 //! | `submit` | submission of a step |
 //! | `fast_bodies` | continuous collision, by the CPU in the midst of a step |
@@ -30,6 +31,7 @@ mod hand_over;
 pub mod memory;
 mod overflow;
 mod poses;
+mod reach;
 mod recent;
 pub mod record;
 pub mod remap;
@@ -57,6 +59,7 @@ use crate::types::gpu_work::GpuWork;
 use contact_programs::ContactPrograms;
 use flight::Flight;
 pub use poses::Poses;
+use reach::RecentSubsteps;
 use recent::Recent;
 use record::{all_modules, impulse_kernels, impulse_program};
 use remap::LastBodies;
@@ -96,6 +99,8 @@ pub struct GpuStep {
     last_bodies: LastBodies,
     /// Speeds of bodies after the last step whose results were taken.
     speeds: Speeds,
+    /// The numbers of collision substeps that the last of these steps needed.
+    recent_substeps: RecentSubsteps,
     /// Changes of speed by the host in the steps since then, oldest first.
     host_speeds: VecDeque<HostSpeeds>,
     timer: Option<Timer>,
@@ -183,6 +188,7 @@ impl GpuStep {
                 contacts: None,
                 last_bodies: LastBodies::default(),
                 speeds: Speeds::NONE,
+                recent_substeps: RecentSubsteps::default(),
                 host_speeds: VecDeque::new(),
                 compiled: Compiled::Impulses,
                 timer,
@@ -208,6 +214,12 @@ impl GpuStep {
     /// With batches of this size. Results do not depend on it.
     pub fn with_batch_size(mut self, batch_size: BatchSize) -> Self {
         self.batch_size = batch_size;
+        self
+    }
+
+    /// With commands for so many more collision substeps than the last steps suggest. Results do not depend on it.
+    pub fn with_spare_substeps(mut self, spare: u32) -> Self {
+        self.recent_substeps.spare = spare;
         self
     }
 
@@ -284,6 +296,7 @@ impl GpuStep {
             // Here and not when the results are read, which depends on the speed of the device.
             Ok(output) => {
                 self.speeds = output.speeds;
+                self.recent_substeps.add(output.collision_substeps);
                 self.host_speeds.pop_front();
             }
             Err(_) => self.fail(),
@@ -299,6 +312,7 @@ impl GpuStep {
         self.last_bodies.forget();
         self.host_speeds.clear();
         self.speeds = Speeds::NONE;
+        self.recent_substeps.forget();
         self.population = Population::default();
     }
 

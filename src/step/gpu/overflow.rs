@@ -14,7 +14,8 @@ use super::upload::Input;
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
 use crate::gpu::layout::{
-    CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MAX_SPHERE_PAIRS, PIECES, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
+    CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MAX_SPHERE_PAIRS, NEEDED_SUBSTEPS, PIECES, PLANE_CONTACTS, SKIPPED,
+    SPHERE_PAIRS, TOUCHES,
 };
 use crate::gpu::program::Population;
 use crate::gpu::readback::{DeviceError, scoped};
@@ -137,8 +138,8 @@ impl GpuStep {
         self.recent.add(used, for_contacts);
     }
 
-    /// Repeats all steps in flight with longer lists, and returns whether a list was too short. No body has moved since
-    /// the first of them, because its overflow made the others do nothing.
+    /// Repeats all steps in flight with longer lists, or with more collision substeps. Returns whether there were too few.
+    /// No body has moved since the first of them, because its overflow made the others do nothing.
     fn repeat(&mut self, counters: &[u32], tally: &[u32], fast_bodies: Option<FastBodies>) -> Result<bool, StepError> {
         let needed = Capacity {
             pairs: counters[SPHERE_PAIRS as usize].max(tally[MAX_SPHERE_PAIRS as usize]),
@@ -157,7 +158,9 @@ impl GpuStep {
         });
         let room = Room::in_buffers(&needed, for_contacts);
         let lacks_room = self.flights.front().is_some_and(|flight| flight.room.lacks(room));
-        if !lacks_room && !self.needs_growth(needed, for_contacts) {
+        let substeps = counters[NEEDED_SUBSTEPS as usize];
+        let lacks_substeps = (self.flights.front_mut()).is_some_and(|flight| flight.input.needs_substeps(substeps));
+        if !lacks_room && !lacks_substeps && !self.needs_growth(needed, for_contacts) {
             return Ok(false);
         }
         self.room.raise(room);

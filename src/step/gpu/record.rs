@@ -1,6 +1,7 @@
 //! The kernels of each part of a step, in the order of [`order`](crate::step::order).
 
 use super::buffers::StepCapacity;
+use super::reach;
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::device::Gpu;
 use crate::gpu::kernel::{Kernel, kernel};
@@ -38,10 +39,22 @@ const REMEMBER: Kernel = kernel!("step/remember");
 
 /// The modules and kernels of the step itself.
 pub const SHADERS: Shaders = Shaders {
-    modules: &[module!("step/placed"), module!("step/start")],
+    modules: &[
+        module!("step/placed"),
+        module!("step/start"),
+        module!("step/sweep"),
+        module!("step/meeting"),
+    ],
     kernels: &[
         &BEGIN,
         &BEGIN_COMPOUNDS,
+        &reach::SWEEPS,
+        &reach::JOIN_GROUPS,
+        &reach::GROUP_BODIES,
+        &reach::GROUP_PAIRS,
+        &reach::COUNT_SUBSTEPS,
+        &reach::PACE,
+        &reach::MARGINS,
         &REUSE_CONTACT_POINTS,
         &OVERFLOW_LISTS,
         &MOVE_BODIES,
@@ -88,6 +101,8 @@ pub struct Recorder<'s> {
     pub contact_capacity: Option<&'s StepCapacity>,
     /// Whether bodies may fall asleep.
     pub may_sleep: bool,
+    /// Whether the bodies are placed already, by [`Recorder::reach`].
+    pub is_begun: bool,
 }
 
 impl Recorder<'_> {
@@ -105,12 +120,15 @@ impl Recorder<'_> {
         let with_contacts = self.response == Response::Contacts;
         let (per_body, per_compound) = (Groups::PerBodies(64), Groups::PerCompounds(64));
         match part {
-            Part::Begin if with_contacts => {
-                calls.call(&BEGIN, per_body);
-                calls.call(&BEGIN_COMPOUNDS, per_compound);
-            }
+            Part::Begin if self.is_begun => {}
+            Part::Begin if with_contacts => begin(calls),
             Part::Begin => broad_phase::gpu::record_place(calls),
-            Part::FindSpherePairs => broad_phase::gpu::record_search(calls, self.capacity),
+            Part::FindSpherePairs => {
+                if with_contacts && !place.is_first {
+                    calls.call(&reach::PACE, Groups::Exactly(1));
+                }
+                broad_phase::gpu::record_search(calls, self.capacity);
+            }
             Part::FindNearPairs => angles::gpu::record(calls, self.capacity),
             Part::TestTriangles => triangle_test::gpu::record(calls, self.capacity),
             Part::FindContactPoints => {
@@ -169,6 +187,14 @@ impl Recorder<'_> {
 }
 
 impl Recorder<'_> {
+    /// The begin of a step that may need several collision substeps: places the bodies, and counts them.
+    pub fn reach(&self) -> Calls {
+        let mut calls = Calls::new(Part::Begin.stage());
+        begin(&mut calls);
+        reach::record(&mut calls, self.capacity);
+        calls
+    }
+
     /// Compacts the lists of contact points, and tests all lists so far for overflow.
     fn list_contact_points(&self, calls: &mut Calls) {
         if let Some(StepCapacity { contacts, .. }) = self.contact_capacity {
@@ -178,6 +204,12 @@ impl Recorder<'_> {
     }
 }
 
+/// Places the bodies of a step with contacts.
+fn begin(calls: &mut Calls) {
+    calls.call(&BEGIN, Groups::PerBodies(64));
+    calls.call(&BEGIN_COMPOUNDS, Groups::PerCompounds(64));
+}
+
 /// The calls of a step with [`Response::Impulse`].
 pub fn impulse_calls(capacity: &Capacity) -> Calls {
     let recorder = Recorder {
@@ -185,6 +217,7 @@ pub fn impulse_calls(capacity: &Capacity) -> Calls {
         capacity,
         contact_capacity: None,
         may_sleep: false,
+        is_begun: false,
     };
     recorder.calls(&Stage::ALL, Place::of(0, 1))
 }
@@ -213,6 +246,7 @@ pub fn report_kernels() -> impl Iterator<Item = &'static Kernel> {
             capacity,
             contact_capacity: Some(&contact_capacity.covering(capacity)),
             may_sleep: false,
+            is_begun: false,
         };
         recorder.calls(&Stage::ALL, Place::of(0, 1))
     })

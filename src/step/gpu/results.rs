@@ -8,9 +8,10 @@ use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::commands::Commands;
 use crate::gpu::layout::{
-    APPROXIMATE, ASLEEP, AWAKE, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_RESULTS, COUNTERS, ContactPair, ContactPoint,
-    HITS, Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, PLANE_CONTACTS, PlaneContact, SKIPPED,
-    SPHERE_PAIRS, TALLIES, TOTAL_NEAR_TRIANGLES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
+    APPROXIMATE, ASLEEP, AWAKE, COUNTERS, ContactPair, ContactPoint, HITS, Hit, LAST_CONTACT_PAIRS,
+    LAST_CONTACT_POINTS, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEEDED_SUBSTEPS, PLANE_CONTACTS,
+    PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOTAL_NEAR_TRIANGLES, TOUCHES, TOUCHING, TOUCHING_NOW,
+    TRIANGLE_TESTS, Touch, Touching,
 };
 use crate::gpu::program::Population;
 use crate::gpu::timer::{self, Timer};
@@ -80,7 +81,6 @@ pub(super) struct Parts {
     hits: Range<u64>,
     planes: Range<u64>,
     tally: Range<u64>,
-    found: Range<u64>,
     contact_pairs: Range<u64>,
     contact_points: Range<u64>,
     touches: Range<u64>,
@@ -89,8 +89,9 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Ranges for lists of these lengths. `has_points` tells whether there are contact points.
-    pub fn new(room: &Room, has_points: bool, input: &Input, detail: Detail) -> Self {
+    /// Ranges for lists of these lengths. `has_points` tells whether there are contact points, and `substeps` for how many
+    /// collision substeps there are times.
+    pub fn new(room: &Room, has_points: bool, input: &Input, substeps: u32, detail: Detail) -> Self {
         let mut total = 0;
         let mut part = |count: u32, size: usize| {
             let start = total;
@@ -99,7 +100,7 @@ impl Parts {
             start..total
         };
         let counters = part(COUNTERS, 4);
-        let times = part(timer::BYTES * input.collision_substeps(), 1);
+        let times = part(timer::BYTES * substeps, 1);
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
         let Population { bodies, compounds, .. } = input.population();
         let moved = part(lists(bodies + compounds), size_of::<Moved>());
@@ -109,7 +110,6 @@ impl Parts {
         let planes = part(lists(room.plane_contacts), size_of::<PlaneContact>());
         let of_points = |count: u32| if has_points { count } else { 0 };
         let tally = part(of_points(TALLIES), 4);
-        let found = part(of_points(CONTACT_RESULTS), 4);
         let contact_pairs = part(lists(of_points(room.contact_pairs)), size_of::<ContactPair>());
         let contact_points = part(lists(of_points(room.contact_points)), size_of::<ContactPoint>());
         let touches = part(lists(of_points(room.touches)), size_of::<Touch>());
@@ -122,7 +122,6 @@ impl Parts {
             hits,
             planes,
             tally,
-            found,
             contact_pairs,
             contact_points,
             touches,
@@ -151,7 +150,6 @@ impl Parts {
         let found = contacts.map(|contacts| {
             [
                 (&contacts.step.tally, &self.tally),
-                (&contacts.contacts.contact_counters, &self.found),
                 (&contacts.contacts.contact_pairs, &self.contact_pairs),
                 (&contacts.contacts.contact_points, &self.contact_points),
                 (&contacts.step.touches, &self.touches),
@@ -178,15 +176,11 @@ impl Parts {
         };
         let mut tally: Vec<u32> = list(bytes, &self.tally, TALLIES as usize);
         tally.resize(TALLIES as usize, 0);
-        // Of the last collision substep.
-        let mut found: Vec<u32> = list(bytes, &self.found, CONTACT_RESULTS as usize);
-        found.resize(CONTACT_RESULTS as usize, 0);
         let all = |many: u32| if skipped { 0 } else { many as usize };
         Raw {
-            contact_pairs: list(bytes, &self.contact_pairs, all(found[CONTACT_PAIRS as usize])),
-            contact_points: list(bytes, &self.contact_points, all(found[CONTACT_POINTS as usize])),
+            contact_pairs: list(bytes, &self.contact_pairs, all(tally[LAST_CONTACT_PAIRS as usize])),
+            contact_points: list(bytes, &self.contact_points, all(tally[LAST_CONTACT_POINTS as usize])),
             touches: list(bytes, &self.touches, all(tally[TOUCHES as usize])),
-            found: found[CONTACT_POINTS as usize] as usize,
             tally,
             stamps: list(bytes, &self.times, usize::MAX),
             moved: list(bytes, &self.moved, usize::MAX),
@@ -205,8 +199,6 @@ pub(super) struct Raw {
     pub counters: Vec<u32>,
     /// Counters over all collision substeps.
     pub tally: Vec<u32>,
-    /// Number of contact points in the last collision substep.
-    found: usize,
     contact_pairs: Vec<ContactPair>,
     contact_points: Vec<ContactPoint>,
     touches: Vec<Touch>,
@@ -229,17 +221,17 @@ impl Raw {
                 touching_pairs: count(TOUCHING),
                 triangle_tests: count(TRIANGLE_TESTS) as u64,
                 face_pairs: count(HITS),
-                contact_points: self.found,
+                contact_points: self.tally[LAST_CONTACT_POINTS as usize] as usize,
                 asleep: self.tally[ASLEEP as usize] as usize,
                 crowded: 0,
             },
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
             near_triangles: self.tally[TOTAL_NEAR_TRIANGLES as usize] as usize,
-            collision_substeps: input.collision_substeps(),
+            collision_substeps: self.counters[NEEDED_SUBSTEPS as usize],
             speeds: speeds(&self.tally),
             // Of several collision substeps the tally knows the last one.
             rests: input.response == Response::Contacts
-                && input.collision_substeps() == 1
+                && self.counters[NEEDED_SUBSTEPS as usize] == 1
                 && self.tally[AWAKE as usize] == 0
                 && impacts.velocities.is_empty()
                 && impacts.sensor_touches.is_empty(),

@@ -1,6 +1,7 @@
 //! The solver's input in a step with contacts.
 
 use super::buffers::StepBuffers;
+use super::reach::{self, RecentSubsteps};
 use super::remap::{BodyRemap, CompoundRemap};
 use crate::gpu::commands::Commands;
 use crate::gpu::known::Known;
@@ -9,20 +10,19 @@ use crate::sleep::cpu::hash;
 use crate::solver::gpu::{SolverCapacity, layout, upload};
 use crate::solver::speeds::Speeds;
 use crate::solver::{CollisionSubstep, SolverBodies};
-use crate::state::StepInput;
-use crate::state::margins::SAFETY;
+use crate::state::{StepConfig, StepInput};
 use crate::step::gpu::upload::Carried;
 use crate::types::body::RigidBody;
-use crate::types::solver_settings::SolverSettings;
 use bytemuck::{bytes_of, cast_slice};
 use glam::{DQuat, DVec3, Vec3};
 
 /// The solver's input, packed for the device.
 pub struct SolverInput {
-    settings: SolverSettings,
-    collision_substep: CollisionSubstep,
-    /// Number of collision substeps.
-    pub collision_substeps: u32,
+    config: StepConfig,
+    /// The number of collision substeps if all bodies could meet; no step needs more, but for rounding.
+    most_substeps: u32,
+    /// The number for which there are commands.
+    pub recorded_substeps: u32,
     bodies: Vec<layout::SolverBody>,
     /// Number of half-spaces, which are the last of them.
     planes: u32,
@@ -48,13 +48,15 @@ pub struct HostSpeeds {
 impl SolverInput {
     /// Packs the bodies and half-spaces of `state`. Bodies whose velocity carries over, by `carried`, which has an entry for
     /// each collider and then for each compound, have at most
-    /// `speeds`, plus what the host adds. The velocities of [`BodyRemap::slowed`] must be known.
-    pub fn new(
+    /// `speeds`, plus what the host adds. The velocities of [`BodyRemap::slowed`] must be known. `recent` suggests for how
+    /// many collision substeps commands are recorded.
+    pub(super) fn new(
         state: &StepInput,
         carried: &[Option<Carried>],
         speeds: Speeds,
         remap: BodyRemap,
         large_meshes: bool,
+        recent: &RecentSubsteps,
     ) -> Self {
         let StepInput {
             config,
@@ -122,7 +124,7 @@ impl SolverInput {
             carried_speeds = speeds;
         }
         let all = seen.and(carried_speeds).after(added, Vec3::ZERO);
-        let collision_substeps = all.collision_substeps(&config.solver, &bodies, config.dt);
+        let most_substeps = all.collision_substeps(&config.solver, &bodies, config.dt);
         let by_impulses = (bodies.bodies.iter().zip(&bodies.forces))
             .filter(|(body, _)| !body.continuous)
             .map(|(body, forces)| {
@@ -130,7 +132,6 @@ impl SolverInput {
                 forces.impulse.length() * body.inverse_mass + turn.length() * body.extent
             })
             .fold(0.0, f32::max);
-        let collision_substep = CollisionSubstep::of(config, collision_substeps);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
         let mut host_states: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, hash(*k))).collect();
         if remap.planes_changed {
@@ -139,9 +140,14 @@ impl SolverInput {
             }
         }
         Self {
-            settings: config.solver,
-            collision_substep,
-            collision_substeps,
+            config: *config,
+            most_substeps,
+            // Continuous collision waits for each collision substep, so that none is recorded before it is needed.
+            recorded_substeps: if remap.has_fast_bodies {
+                most_substeps
+            } else {
+                recent.recorded(most_substeps)
+            },
             bodies: upload::bodies(&bodies),
             planes: planes.len() as u32,
             large_meshes,
@@ -156,14 +162,14 @@ impl SolverInput {
         }
     }
 
-    /// Length of a collision substep, seconds.
-    pub fn dt(&self) -> f32 {
-        self.collision_substep.dt
+    /// Length of a collision substep of a step that has `count`, seconds.
+    pub(super) fn dt(&self, count: u32) -> f32 {
+        reach::pace(&self.config, count).dt
     }
 
-    /// Time in which the travel of bodies adds to their margins, seconds.
-    pub fn speculative_time(&self) -> f32 {
-        SAFETY * self.collision_substep.dt
+    /// Whether the device counts the collision substeps, because there may be more than one.
+    pub(super) fn counts_substeps(&self) -> bool {
+        self.most_substeps > 1
     }
 
     /// The number of collider `i` in the last step, and what carries over besides `carried`.
@@ -188,7 +194,7 @@ impl SolverInput {
 
     /// Whether bodies may fall asleep.
     pub fn may_sleep(&self) -> bool {
-        self.settings.sleeping
+        self.config.solver.sleeping
     }
 
     /// The bodies with continuous collision whose speeds cause no collision substeps, ascending.
@@ -219,7 +225,8 @@ impl SolverInput {
     /// Writes all buffers.
     pub fn write(&self, commands: &mut Commands, known: &mut Known, step: &StepBuffers, capacity: SolverCapacity) {
         let count = self.body_count();
-        let packed = |old| upload::collision_substep(&self.settings, &self.collision_substep, [count, old], capacity);
+        let whole_step = CollisionSubstep::of(&self.config, 1);
+        let packed = |old| upload::collision_substep(&self.config.solver, &whole_step, [count, old], capacity);
         let same: Vec<u32> = (0..count).collect();
         for (buffer, bytes) in [
             (&step.first_collision_substep, bytes_of(&packed(self.old_bodies()))),
@@ -231,6 +238,11 @@ impl SolverInput {
             (&step.sent_forces, cast_slice(&self.forces)),
         ] {
             commands.write_changes(known, buffer, bytes);
+        }
+        if self.counts_substeps() {
+            let division = reach::division(&self.config, self.recorded_substeps);
+            commands.write_changes(known, &step.division, bytes_of(&division));
+            commands.write_changes(known, &step.paces, cast_slice(&reach::paces(&self.config)));
         }
         let forces: &[u8] = cast_slice(&self.forces);
         commands.copy_start(&step.sent_forces, &step.forces, forces.len() as u64);

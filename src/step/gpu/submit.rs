@@ -16,6 +16,7 @@ use crate::gpu::commands::Commands;
 use crate::gpu::readback::{read_rows, scoped, staging};
 use crate::solver::gpu::layout::MotionState;
 use crate::state::StepInput;
+use crate::step::order::Place;
 use crate::types::gpu_work::GpuWork;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -58,7 +59,9 @@ impl GpuStep {
                 .iter()
                 .fold(self.speeds, |speeds, host| speeds.and(host.speeds));
             let large_meshes = input.population().large_meshes;
-            let solver = SolverInput::new(state, carried, known.after(max_change, fall), remap, large_meshes);
+            let speeds = known.after(max_change, fall);
+            let recent = &self.recent_substeps;
+            let solver = SolverInput::new(state, carried, speeds, remap, large_meshes, recent);
             self.host_speeds.push_back(solver.host_speeds);
             input = input.with_solver(solver, has_fast_bodies);
         } else {
@@ -173,7 +176,7 @@ impl GpuStep {
         };
         let flight = scoped(gpu, || {
             let mut impacts = Impacts::default();
-            let parts = Parts::new(&room, contacts.is_some(), &input, detail);
+            let mut substeps = input.recorded_substeps();
             let mut commands = Commands::new(gpu, "faceoff step");
             input.write(&mut commands, known, buffers, contacts, &room);
             let goes_on = |rest: &Rest| rest.goes_on(&input, detail, &commands, &earlier);
@@ -194,7 +197,8 @@ impl GpuStep {
                 (Some(contacts), Some(solver)) => {
                     let (fast, timer) = (fast_bodies, timer.as_ref());
                     contacts.record_start(&mut commands, solver);
-                    for number in 0..solver.collision_substeps {
+                    let mut number = 0;
+                    while number < substeps {
                         let reads_pairs = detail == Detail::All;
                         contacts.record_solution(
                             &mut commands,
@@ -207,9 +211,11 @@ impl GpuStep {
                         );
                         if let Some(fast) = fast {
                             *waits += 1;
-                            fast.stop(solver.dt(), ccd, &mut commands, buffers, contacts, &mut impacts)?;
+                            substeps = fast.stop(solver, ccd, &mut commands, buffers, contacts, &mut impacts)?;
                         }
-                        contacts.record_motion(&mut commands, solver, number, timer);
+                        let place = Place::of(number, substeps);
+                        contacts.record_motion(&mut commands, solver, place, number, timer);
+                        number += 1;
                     }
                 }
                 (Some(contacts), None) => contacts.record_report(&mut commands, input.population(), timer.as_ref()),
@@ -221,8 +227,9 @@ impl GpuStep {
                 }
             }
             if let Some(timer) = timer {
-                timer.resolve(&mut commands.encoder, input.collision_substeps());
+                timer.resolve(&mut commands.encoder, substeps);
             }
+            let parts = Parts::new(&room, contacts.is_some(), &input, substeps, detail);
             let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
             let staging = match fitting {
                 Some(at) => spare.swap_remove(at),

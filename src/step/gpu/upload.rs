@@ -10,9 +10,10 @@ use crate::gpu::commands::Commands;
 use crate::gpu::known::Known;
 use crate::gpu::layout::{
     self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
-    CULLING_FRONT, DYNAMIC, FAST, KIND_MASK, KINEMATIC, PART, SENSOR, STATIC,
+    CULLING_FRONT, DYNAMIC, FAST, KIND_MASK, KINEMATIC, NEEDED_SUBSTEPS, PART, SENSOR, STATIC,
 };
 use crate::gpu::program::Population;
+use crate::state::margins::SAFETY;
 use crate::state::{Bodies, Compound, Motion, Part, Plane, StepInput};
 use crate::types::body::RigidBody;
 use crate::types::settings::{Culling, Response};
@@ -171,8 +172,7 @@ impl Input {
         for &i in solver.fast() {
             self.bodies[i as usize].flags |= FAST;
         }
-        self.step.dt = solver.dt();
-        self.step.speculative_time = solver.speculative_time();
+        self.step.speculative_time = SAFETY * self.step.dt;
         self.step.drift = solver.drift.to_array();
         self.step.planes_changed = solver.planes_changed().into();
         self.step.same_numbers = solver.same_numbers().into();
@@ -195,9 +195,19 @@ impl Input {
         self
     }
 
-    /// Number of collision substeps.
-    pub(super) fn collision_substeps(&self) -> u32 {
-        self.solver.as_ref().map_or(1, |solver| solver.collision_substeps)
+    /// The number of collision substeps for which there are commands.
+    pub(super) fn recorded_substeps(&self) -> u32 {
+        self.solver.as_ref().map_or(1, |solver| solver.recorded_substeps)
+    }
+
+    /// Asks for commands for at least `needed` collision substeps. Returns whether there were fewer.
+    pub(super) fn needs_substeps(&mut self, needed: u32) -> bool {
+        let recorded = self.solver.as_mut().map(|solver| &mut solver.recorded_substeps);
+        recorded.is_some_and(|recorded| {
+            let lacks = *recorded < needed;
+            *recorded = needed.max(*recorded);
+            lacks
+        })
     }
 
     /// Whether some body has continuous collision, with [`Response::Contacts`].
@@ -284,6 +294,8 @@ impl Input {
     pub(super) fn write_counters(&self, commands: &mut Commands, buffers: &Buffers) {
         let mut counters = [0u32; COUNTERS as usize];
         counters[BODIES as usize] = self.step.bodies;
+        // If more may be needed, the device counts them.
+        counters[NEEDED_SUBSTEPS as usize] = 1;
         commands.write(&buffers.counters, cast_slice(&counters));
     }
 
@@ -311,7 +323,8 @@ impl Input {
             touch_capacity: room.touches,
             ..self.step
         };
-        commands.write_changes(known, &buffers.step, bytemuck::bytes_of(&step));
+        commands.write_changes(known, &buffers.sent_step, bytemuck::bytes_of(&step));
+        commands.copy(&buffers.sent_step, &buffers.step);
         commands.write_changes(known, &buffers.parts, cast_slice(&self.parts));
         commands.write_changes(known, &buffers.planes, cast_slice(&self.planes));
         for (sent, used, bytes) in [

@@ -24,6 +24,7 @@ pub const TESTS: &[Test] = &[
         "contacts_are_the_same_wherever_components_say_bodies_are",
         same_contacts,
     ),
+    ("impacts_are_the_same_whenever_results_are_read", same_impacts),
     ("a_kinematic_body_is_as_fast_in_every_reading", kinematic_speed),
     ("a_snapshot_brings_everything_back", snapshots),
     ("a_step_by_hand_is_waited_for", by_hand),
@@ -636,6 +637,51 @@ fn same_contacts(_: &Gpu) {
     }
 }
 
+/// Balls hit thin plates that stand on a floor, so that the number of collision substeps changes often. Where results come later, steps are recorded
+/// for other numbers, and repeated at other times.
+fn same_impacts(_: &Gpu) {
+    let mut worlds = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
+        let mut sim = app(Backend::Gpu, readback);
+        sim.app
+            .insert_resource(Response::Contacts)
+            .insert_resource(Gravity::default());
+        sim.spawn(PlaneCollider::through(Vec3::Y * -0.5, Vec3::Y));
+        let (ball, cube) = (sim.mesh(&shapes::ball(0.1, 2)), sim.mesh(&shapes::cube(1.0)));
+        for i in 0..5 {
+            let plate = sim.spawn(resting(&cube, Vec3::X * 3.0 * i as f32));
+            sim.set(
+                plate,
+                Transform::from_xyz(3.0 * i as f32, 0.0, 0.0).with_scale(Vec3::new(0.06, 1.0, 1.0)),
+            );
+            let flier = sim.spawn(resting(&ball, Vec3::new(-1.5 - 4.0 * i as f32, 0.1 * i as f32, 0.0)));
+            sim.set(flier, LinearVelocity(Vec3::X * (40.0 - 9.0 * i as f32)));
+        }
+        sim
+    });
+    let mut counts = Vec::new();
+    let mut submissions = [0; 3];
+    for step in 0..50 {
+        let [wanted, latent, resident] = worlds.each_mut().map(|sim| {
+            sim.step(1);
+            let snapshot = Snapshot::take(sim.world());
+            snapshot
+                .bodies()
+                .map(|(entity, motion)| (entity, *motion))
+                .collect::<Vec<_>>()
+        });
+        assert_eq!(latent, wanted, "latent, step {step}");
+        assert_eq!(resident, wanted, "resident, step {step}");
+        counts.push(worlds[0].report().collision_substeps);
+        for (sum, sim) in submissions.iter_mut().zip(&worlds) {
+            *sum += sim.report().gpu.map_or(0, |work| work.submissions);
+        }
+    }
+    counts.dedup();
+    println!("{counts:?} collision substeps, {submissions:?} submissions");
+    assert!(counts.len() > 4, "{counts:?}");
+    assert!(submissions.iter().all(|&sum| sum > 50), "some steps were repeated");
+}
+
 /// The number of collision substeps follows from the speeds of bodies, whenever results are read.
 fn kinematic_speed(_: &Gpu) {
     let collision_substeps = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
@@ -643,8 +689,10 @@ fn kinematic_speed(_: &Gpu) {
         sim.app.insert_resource(Response::Contacts);
         let cube = sim.mesh(&shapes::cube(0.2));
         sim.spawn(resting(&cube, Vec3::ZERO));
+        // So near that a corner of each would reach it.
+        sim.spawn(PlaneCollider::through(Vec3::Y * -0.12, Vec3::Y));
         for k in 1..4 {
-            let body = sim.spawn(resting(&cube, Vec3::Y * 2.0 * k as f32));
+            let body = sim.spawn(resting(&cube, Vec3::Z * 2.0 * k as f32));
             sim.set(body, (RigidBody::Kinematic, LinearVelocity(Vec3::X * 10.0)));
         }
         sim.step(8);

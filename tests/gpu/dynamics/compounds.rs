@@ -14,7 +14,7 @@ use bevy_faceoff::types::settings::Response;
 use glam::{Quat, Vec3};
 
 /// Poses and velocities of all colliders, then of compounds.
-fn rows(world: &World) -> Vec<Motion> {
+pub fn rows(world: &World) -> Vec<Motion> {
     let bodies = &world.state.input.bodies;
     let colliders = (0..bodies.len()).map(|i| bodies.motion(i));
     colliders

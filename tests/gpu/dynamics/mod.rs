@@ -21,6 +21,7 @@ mod motion;
 mod parity;
 #[path = "../../dynamics/pour.rs"]
 mod pour;
+mod reach;
 #[path = "../../dynamics/rest.rs"]
 mod rest;
 #[path = "../../dynamics/same_bits.rs"]
@@ -84,6 +85,10 @@ pub const TESTS: &[Test] = &tests! {
     a_chain_of_four_hangs_is_shaken_and_holds: chain::hangs_and_is_shaken(4, [3, 2, 1]);
     thirty_mixed_knots_keep_momentum_and_gain_no_energy: cloud::keeps_momentum(30, 120, true);
     five_knots_poured_into_a_bin_come_to_rest: pour::pour(5, 2.3, 6);
+    what_meets_nothing_needs_one_collision_substep: reach::meets_nothing();
+    what_meets_a_plate_has_as_many_substeps_as_on_the_cpu: reach::meets_a_plate();
+    hammers_need_as_many_substeps_as_on_the_cpu: reach::as_on_the_cpu();
+    commands_that_are_not_needed_change_nothing: reach::same_with_spare_substeps();
     what_all_bodies_have_in_common_changes_nothing: small_games::formation(&shapes::ball(0.25, 2), 2, 0.501, 8);
     what_is_pushed_out_does_not_sleep_before_it_is_out: small_games::pushed_out(&shapes::ball(0.5, 2), 0.6);
     two_that_overlap_part_before_they_sleep: small_games::overlapping(&shapes::cube(1.0), 2, Vec3::X * 0.3);

@@ -83,6 +83,7 @@ fn only_what_a_response_calls_is_compiled() {
             capacity: &capacity,
             contact_capacity: Some(&contact_capacity),
             may_sleep: false,
+            is_begun: false,
         };
         let called = names(
             &mut recorder

@@ -105,7 +105,10 @@ pub fn bytes_and_lists_are_counted(gpu: &Gpu) {
         assert!((bodies..4 * bodies + 2000).contains(&uploaded), "{uploaded}");
         assert!(read_back_bytes > (scene.bodies.len() * size_of::<layout::Moved>()) as u64);
         let results = &state.results;
-        assert_eq!(lists.sphere_pairs.length as usize, results.sphere_pairs.len());
+        // With contacts the list also holds, at first, the pairs that can meet within the step.
+        let listed = lists.sphere_pairs.length as usize;
+        assert!(listed >= results.sphere_pairs.len());
+        assert!(listed == results.sphere_pairs.len() || response == Response::Contacts);
         assert_eq!(lists.face_pairs.length as usize, results.contacts.faces.len());
         if state.results.collision_substeps == 1 {
             assert_eq!(lists.manifolds.length as usize, results.manifolds.pairs.len());

@@ -1,0 +1,45 @@
+// The lengths of the collision substeps of a step that may need several of them: of the first, at the end of its begin, and
+// of each that follows. If fewer are recorded than the step needs it does nothing, and the host repeats it with more. If more
+// are recorded, those beyond do nothing. One thread.
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@group(0) @binding(0) var<uniform> division: t::Division;
+@group(0) @binding(1) var<storage, read> paces: array<s::Pace>;
+@group(0) @binding(2) var<storage, read_write> tally: array<u32>;
+@group(0) @binding(3) var<storage, read_write> counters: array<u32>;
+@group(0) @binding(4) var<storage, read_write> status: array<u32>;
+@group(0) @binding(5) var<storage, read_write> step: array<t::Step>;
+@group(0) @binding(6) var<storage, read_write> collision_substep: array<s::CollisionSubstep>;
+
+@compute @workgroup_size(1)
+fn main() {
+    let needed = counters[t::NEEDED_SUBSTEPS];
+    let done = tally[t::COLLISION_SUBSTEPS];
+    if done == 0u {
+        // The search for what can meet has used them.
+        tally[t::MAX_SPHERE_PAIRS] = max(tally[t::MAX_SPHERE_PAIRS], counters[t::SPHERE_PAIRS]);
+        counters[t::LEVELS] = 0u;
+        counters[t::LEVELS + 1u] = 0u;
+        counters[t::SPHERE_PAIRS] = 0u;
+    }
+    if needed > division.recorded {
+        status[t::OVERFLOW] = 1u;
+        counters[t::SKIPPED] = 1u;
+    }
+    let pace = paces[clamp(needed, 1u, division.most) - 1u];
+    step[0].dt = pace.dt;
+    step[0].speculative_time = pace.speculative_time;
+    collision_substep[0].dt = pace.dt;
+    collision_substep[0].h = pace.h;
+    collision_substep[0].substeps = pace.substeps;
+    collision_substep[0].bias_rate = pace.bias_rate;
+    collision_substep[0].mass_scale = pace.mass_scale;
+    collision_substep[0].impulse_scale = pace.impulse_scale;
+    collision_substep[0].stiffness = pace.stiffness;
+    if done >= needed {
+        step[0].is_over = 1u;
+        // Without length nothing is solved.
+        collision_substep[0].h = 0.0;
+    }
+}
