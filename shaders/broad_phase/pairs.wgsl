@@ -4,11 +4,14 @@
 //
 // The search of a body ends after MAX_PARTNERS others. Its count is then more than any list holds, so that the step is
 // not done here: in a crowd each body would be compared with each other one.
+//
+// With SWEPT the spheres hold the ways of the whole step, and only pairs that can meet within it count.
 #import faceoff::constants::broad_phase::{MAX_PARTNERS, SPHERE_SLACK}
 #import faceoff::dispatch::group_index
 #import faceoff::grid::{bucket_of, cell_of}
 #import faceoff::math::layers_interact
-#import faceoff::types::{Body, GridEntry, Step, LEVELS, KIND_MASK, DYNAMIC, KINEMATIC, OVERFLOW, SENSOR}
+#import faceoff::sweep::meet
+#import faceoff::types::{Body, GridEntry, Step, Sweep, LEVELS, KIND_MASK, DYNAMIC, KINEMATIC, OVERFLOW, SENSOR}
 
 @group(0) @binding(0) var<uniform> step: Step;
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
@@ -16,6 +19,9 @@
 @group(0) @binding(3) var<storage, read> entries: array<GridEntry>;
 @group(0) @binding(4) var<storage, read> buckets: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read> status: array<u32>;
+#ifdef SWEPT
+@group(0) @binding(8) var<storage, read> sweeps: array<Sweep>;
+#endif
 #ifdef EMIT
 @group(0) @binding(5) var<storage, read> pair_counts: array<u32>;
 @group(0) @binding(6) var<storage, read_write> sphere_pairs: array<vec2<u32>>;
@@ -78,6 +84,11 @@ fn overlap(a: GridEntry, b: GridEntry) -> bool {
     // In units of the larger sphere: squares of tiny or huge lengths would leave the range of f32.
     let reach = a.radius + b.radius;
     let d = (b.center - a.center) / reach;
+#ifdef SWEPT
+    if !meet(sweeps[a.body], sweeps[b.body]) {
+        return false;
+    }
+#endif
     return dot(d, d) <= SPHERE_SLACK;
 }
 

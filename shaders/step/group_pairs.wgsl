@@ -5,7 +5,7 @@
 #import faceoff::dispatch::{divide_up, group_index}
 #import faceoff::math::{conjugate, rotate}
 #import faceoff::meeting::{add_thickness, add_velocity, set_exists}
-#import faceoff::sweep::{is_solid, meet, moves}
+#import faceoff::sweep::{is_solid, moves}
 #import faceoff::types as t
 #import faceoff::union_find::root_of
 
@@ -26,7 +26,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let other = select(pair.x, pair.y, first_moves);
     let a = sweeps[mover];
     let b = sweeps[other];
-    if !is_solid(a) || !is_solid(b) || !meet(a, b) {
+    if !is_solid(a) || !is_solid(b) {
         return;
     }
     let root = root_of(mover);

@@ -1,7 +1,7 @@
 // Begin of a step that may need several collision substeps: bodies that can meet are one group. What is static joins
 // nothing. One thread per pair.
 #import faceoff::dispatch::group_index
-#import faceoff::sweep::{meet, moves}
+#import faceoff::sweep::moves
 #import faceoff::types as t
 #import faceoff::union_find::join
 
@@ -16,9 +16,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let pair = sphere_pairs[i];
-    let a = sweeps[pair.x];
-    let b = sweeps[pair.y];
-    if moves(a) && moves(b) && meet(a, b) {
+    if moves(sweeps[pair.x]) && moves(sweeps[pair.y]) {
         join(pair.x, pair.y);
     }
 }

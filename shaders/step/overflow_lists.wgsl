@@ -21,6 +21,8 @@ fn main() {
     tally[t::TOUCHING_NOW] = 0u;
     tally[t::LAST_CONTACT_PAIRS] = contact_counters[t::CONTACT_PAIRS];
     tally[t::LAST_CONTACT_POINTS] = contact_counters[t::CONTACT_POINTS];
+    tally[t::LAST_SPHERE_PAIRS] = counters[t::SPHERE_PAIRS];
+    tally[t::LAST_APPROXIMATE] = counters[t::APPROXIMATE];
     if contact_counters[t::CONTACTS_SKIPPED] != 0u
         || counters[t::HITS] > step.hit_limit
         || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity

@@ -23,6 +23,9 @@ const ENTRIES: Kernel = kernel!("broad_phase/entries");
 pub const COUNT: Kernel = kernel!("broad_phase/pairs");
 /// Writes the pairs.
 const EMIT: Kernel = kernel!("broad_phase/pairs", "EMIT");
+/// The same two for pairs that can meet within a step.
+const COUNT_SWEPT: Kernel = kernel!("broad_phase/pairs", "SWEPT");
+const EMIT_SWEPT: Kernel = kernel!("broad_phase/pairs", "EMIT SWEPT");
 /// Computes workgroup counts for the following stages.
 pub const ARGUMENTS: Kernel = kernel!("broad_phase/arguments");
 
@@ -37,8 +40,18 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::broad_phase", {
 
 /// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
-    modules: &[CONSTANTS, module!("broad_phase/grid")],
-    kernels: &[&PLACE, &PLACE_COMPOUNDS, &CELLS, &ENTRIES, &COUNT, &EMIT, &ARGUMENTS],
+    modules: &[CONSTANTS, module!("broad_phase/grid"), module!("broad_phase/sweep")],
+    kernels: &[
+        &PLACE,
+        &PLACE_COMPOUNDS,
+        &CELLS,
+        &ENTRIES,
+        &COUNT,
+        &EMIT,
+        &COUNT_SWEPT,
+        &EMIT_SWEPT,
+        &ARGUMENTS,
+    ],
 };
 
 /// Sorts `keys` with `values`.
@@ -58,6 +71,15 @@ pub fn record_place(calls: &mut Calls) {
 
 /// Adds the calls that find the sphere pairs.
 pub fn record_search(calls: &mut Calls, capacity: &Capacity) {
+    record(calls, capacity, [&COUNT, &EMIT]);
+}
+
+/// Adds the calls that find the pairs that can meet within a step. Speculative radii hold the ways of the whole step.
+pub fn record_swept_search(calls: &mut Calls, capacity: &Capacity) {
+    record(calls, capacity, [&COUNT_SWEPT, &EMIT_SWEPT]);
+}
+
+fn record(calls: &mut Calls, capacity: &Capacity, [count, emit]: [&'static Kernel; 2]) {
     let per_body = Groups::PerBodies(64);
     calls.call(&CELLS, per_body);
     // Superfluous workgroups return at once.
@@ -67,7 +89,7 @@ pub fn record_search(calls: &mut Calls, capacity: &Capacity) {
     ];
     let [keys, values] = SORT.record(calls, BODIES, capacity.bucket_bits(), capacity.bodies, groups);
     calls.call(&ENTRIES, per_body).bind("keys", keys).bind("values", values);
-    calls.call(&COUNT, per_body);
+    calls.call(count, per_body);
     let scan = Scan {
         counters: "counters",
         values: "pair_counts",
@@ -81,6 +103,6 @@ pub fn record_search(calls: &mut Calls, capacity: &Capacity) {
         capacity.bodies,
         Groups::PerBodies(scan::BLOCK),
     );
-    calls.call(&EMIT, per_body);
+    calls.call(emit, per_body);
     calls.call(&ARGUMENTS, Groups::Exactly(1));
 }

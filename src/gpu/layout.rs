@@ -438,8 +438,10 @@ constants! {
     u32 MAX_SPIN = 35;
     /// Not 0: a collider was not inactive in the last collision substep, or a body that can move is awake after it.
     u32 AWAKE = 36;
-    // Of the last collision substep.
+    // Of the last collision substep that the step needed: pairs and points in the lists, and the counters of these names.
     u32 LAST_CONTACT_PAIRS = 37;
     u32 LAST_CONTACT_POINTS = 38;
-    u32 TALLIES = 40;
+    u32 LAST_SPHERE_PAIRS = 39;
+    u32 LAST_APPROXIMATE = 40;
+    u32 TALLIES = 44;
 }

@@ -120,7 +120,8 @@
 //! a hash of the poses now and then, and send a [`Snapshot`] when they differ.
 //!
 //! **On a GPU** the same device, driver and build repeat themselves with [`Readback::Lockstep`]. Another device or driver gives
-//! other bits.
+//! other bits. With [`Readback::Latent`] and [`Readback::Resident`] a step has one collision substep if no more can be needed by
+//! the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before, so that impacts since then may lead to other bits.
 //!
 //! What a [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds is equal too, but for ties: which of two hits at exactly the
 //! same distance comes first depends on how bodies were spawned.

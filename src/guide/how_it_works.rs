@@ -91,8 +91,8 @@
 //! stages, and writes the results back. With [`Response::Contacts`](crate::types::settings::Response) it is divided
 //! into 1 to 8 *collision substeps*: as many as it takes that no two surfaces move by more than a quarter of the thinnest
 //! body between two searches for contacts, as far as 8 suffice. Only relative motion counts, and only that of bodies that
-//! can meet in the step. On the CPU each group of such bodies has its own number, and pairs that overlap deeply keep their contact points until they
-//! have moved twice as far.
+//! can meet in the step. On the CPU each group of such bodies has its own number, and pairs that overlap deeply keep their
+//! contact points until they have moved twice as far.
 //!
 //! ## BroadPhase: a grid
 //!

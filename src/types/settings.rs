@@ -30,7 +30,10 @@ pub enum Response {
     /// whatever the [`Culling`].
     ///
     /// It runs on the GPU too. The CPU stops bodies that have
-    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) in the midst of a step.
+    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) in the midst of a step. With
+    /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
+    /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) a step has one collision substep if no more
+    /// can be needed by the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.
     #[default]
     Contacts,
 }

@@ -2,7 +2,7 @@
 //!
 //! Such a step is one submission, whatever its number of collision substeps. Bodies and the solver's memory stay on the
 //! device from step to step, in the buffers of [`StepBuffers::memory`]. These are written only at the end of a step, if
-//! no list overflowed in any of its collision substeps. So a step can be repeated.
+//! nothing overflowed in any of its collision substeps. So a step can be repeated.
 
 use super::buffers::{StepBuffers, StepCapacity};
 use super::record::Recorder;

@@ -9,7 +9,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
 use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::manifolds::gpu::ContactCapacity;
-use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SavedPair, SavedPoint};
+use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SUBSTEP, SavedPair, SavedPoint};
 use bytemuck::cast_slice;
 use wgpu::Buffer;
 
@@ -41,7 +41,13 @@ impl DeviceMemory {
             return Ok(Self::default());
         }
         let step = &contacts.step;
-        let counters = read_words(gpu, &step.last_step_counters, COUNTERS as usize)?;
+        let mut counters = read_words(gpu, &step.last_step_counters, COUNTERS as usize)?;
+        // The others are of use within a collision substep only, and collision substeps without need change them.
+        for (counter, value) in (0..).zip(&mut counters) {
+            if ![PAIRS, POINTS, SUBSTEP].contains(&counter) {
+                *value = 0;
+            }
+        }
         let read = |buffer: &Buffer, count: usize, size: usize| read_words(gpu, buffer, count * size / 4);
         let bodies = last_bodies.len();
         let rows = bodies + last_bodies.compounds.len();

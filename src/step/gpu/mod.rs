@@ -2,8 +2,8 @@
 //! collision substep has one to three more, and waits for them.
 //!
 //! A step can continue from the last one before the host has read its results, because poses and velocities stay on the
-//! device. If a list overflows, a flag on the device makes that step and all later ones do nothing. The host makes the
-//! list longer and submits them again.
+//! device. If a list overflows, or a step needs more collision substeps than are recorded, a flag on the device makes that
+//! step and all later ones do nothing. The host makes the list longer, or records more, and submits them again.
 //!
 //! | file | contents |
 //! |---|---|
@@ -217,7 +217,7 @@ impl GpuStep {
         self
     }
 
-    /// With commands for so many more collision substeps than the last steps suggest. Results do not depend on it.
+    /// With commands for this many more collision substeps than the last steps suggest. Results do not depend on it.
     pub fn with_spare_substeps(mut self, spare: u32) -> Self {
         self.recent_substeps.spare = spare;
         self

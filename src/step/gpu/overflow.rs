@@ -1,8 +1,8 @@
 //! Overflow: lists that were too short are made longer, and the steps in flight are repeated.
 //!
 //! A kernel that finds a list too short sets a flag in `status` and in the step's counters: `broad_phase/arguments`
-//! does for pairs, `step/overflow_lists` and `step/overflow_touches` for other lists. That step and all later ones then
-//! change nothing.
+//! does for pairs, `step/overflow_lists` and `step/overflow_touches` for other lists. So does `step/pace` if a step needs more
+//! collision substeps than are recorded. That step and all later ones then change nothing.
 
 use super::buffers::StepCapacity;
 use super::fast_bodies::FastBodies;
@@ -159,14 +159,16 @@ impl GpuStep {
         let room = Room::in_buffers(&needed, for_contacts);
         let lacks_room = self.flights.front().is_some_and(|flight| flight.room.lacks(room));
         let substeps = counters[NEEDED_SUBSTEPS as usize];
-        let lacks_substeps = (self.flights.front_mut()).is_some_and(|flight| flight.input.needs_substeps(substeps));
+        let lacks_substeps = (self.flights.front()).is_some_and(|flight| flight.input.recorded_substeps() < substeps);
         if !lacks_room && !lacks_substeps && !self.needs_growth(needed, for_contacts) {
             return Ok(false);
         }
         self.room.raise(room);
         self.reserve(needed, for_contacts)?;
         let mut between = std::mem::take(&mut self.between);
-        for flight in std::mem::take(&mut self.flights) {
+        for mut flight in std::mem::take(&mut self.flights) {
+            // Those after it are likely to need as many.
+            flight.input.record_substeps(substeps);
             let earlier = flight.work.after(&std::mem::take(&mut between));
             self.launch(flight.input, flight.detail, earlier, fast_bodies)?;
         }

@@ -37,7 +37,7 @@ pub(super) fn record(calls: &mut Calls, capacity: &Capacity) {
     let per_body = Groups::PerBodies(64);
     let per_pair = Groups::per_64(capacity.pairs, Groups::Indirect("arguments", GROUPS_PER_64_PAIRS));
     calls.call(&SWEEPS, per_body);
-    broad_phase::gpu::record_search(calls, capacity);
+    broad_phase::gpu::record_swept_search(calls, capacity);
     calls.call(&JOIN_GROUPS, per_pair);
     calls.call(&GROUP_BODIES, per_body);
     calls.call(&GROUP_PAIRS, per_pair);
@@ -100,6 +100,8 @@ impl RecentSubsteps {
     pub fn recorded(&self, most: u32) -> u32 {
         let needed = self.needed.into_iter().max().unwrap_or(0);
         let suggested = match needed {
+            // The device does not count them.
+            _ if most == 1 => return 1,
             0 => most,
             1 => 1,
             _ => (needed + 1).min(most),

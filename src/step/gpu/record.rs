@@ -39,12 +39,7 @@ const REMEMBER: Kernel = kernel!("step/remember");
 
 /// The modules and kernels of the step itself.
 pub const SHADERS: Shaders = Shaders {
-    modules: &[
-        module!("step/placed"),
-        module!("step/start"),
-        module!("step/sweep"),
-        module!("step/meeting"),
-    ],
+    modules: &[module!("step/placed"), module!("step/start"), module!("step/meeting")],
     kernels: &[
         &BEGIN,
         &BEGIN_COMPOUNDS,

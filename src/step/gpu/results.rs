@@ -8,10 +8,10 @@ use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::commands::Commands;
 use crate::gpu::layout::{
-    APPROXIMATE, ASLEEP, AWAKE, COUNTERS, ContactPair, ContactPoint, HITS, Hit, LAST_CONTACT_PAIRS,
-    LAST_CONTACT_POINTS, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEEDED_SUBSTEPS, PLANE_CONTACTS,
-    PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOTAL_NEAR_TRIANGLES, TOUCHES, TOUCHING, TOUCHING_NOW,
-    TRIANGLE_TESTS, Touch, Touching,
+    APPROXIMATE, ASLEEP, AWAKE, COUNTERS, ContactPair, ContactPoint, HITS, Hit, LAST_APPROXIMATE, LAST_CONTACT_PAIRS,
+    LAST_CONTACT_POINTS, LAST_SPHERE_PAIRS, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEEDED_SUBSTEPS,
+    PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOTAL_NEAR_TRIANGLES, TOUCHES, TOUCHING,
+    TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use crate::gpu::program::Population;
 use crate::gpu::timer::{self, Timer};
@@ -164,7 +164,15 @@ impl Parts {
 
     /// Reads the ranges from `bytes`.
     pub fn read(&self, bytes: &[u8]) -> Raw {
-        let counters: Vec<u32> = list(bytes, &self.counters, COUNTERS as usize);
+        let mut counters: Vec<u32> = list(bytes, &self.counters, COUNTERS as usize);
+        let mut tally: Vec<u32> = list(bytes, &self.tally, TALLIES as usize);
+        if tally.is_empty() {
+            tally.resize(TALLIES as usize, 0);
+        } else if counters[SKIPPED as usize] == 0 {
+            // Collision substeps that the step did not need have found nothing.
+            counters[SPHERE_PAIRS as usize] = tally[LAST_SPHERE_PAIRS as usize];
+            counters[APPROXIMATE as usize] = tally[LAST_APPROXIMATE as usize];
+        }
         // After an overflow the lists are invalid.
         let skipped = counters[SKIPPED as usize] != 0;
         let count = |counter: u32| {
@@ -174,8 +182,6 @@ impl Parts {
                 counters[counter as usize] as usize
             }
         };
-        let mut tally: Vec<u32> = list(bytes, &self.tally, TALLIES as usize);
-        tally.resize(TALLIES as usize, 0);
         let all = |many: u32| if skipped { 0 } else { many as usize };
         Raw {
             contact_pairs: list(bytes, &self.contact_pairs, all(tally[LAST_CONTACT_PAIRS as usize])),

@@ -19,7 +19,7 @@ use glam::{DQuat, DVec3, Vec3};
 /// The solver's input, packed for the device.
 pub struct SolverInput {
     config: StepConfig,
-    /// The number of collision substeps if all bodies could meet; no step needs more, but for rounding.
+    /// The number of collision substeps that the step needs if all bodies can meet, by the speeds that the host knows.
     most_substeps: u32,
     /// The number for which there are commands.
     pub recorded_substeps: u32,

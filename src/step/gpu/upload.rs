@@ -200,14 +200,11 @@ impl Input {
         self.solver.as_ref().map_or(1, |solver| solver.recorded_substeps)
     }
 
-    /// Asks for commands for at least `needed` collision substeps. Returns whether there were fewer.
-    pub(super) fn needs_substeps(&mut self, needed: u32) -> bool {
-        let recorded = self.solver.as_mut().map(|solver| &mut solver.recorded_substeps);
-        recorded.is_some_and(|recorded| {
-            let lacks = *recorded < needed;
-            *recorded = needed.max(*recorded);
-            lacks
-        })
+    /// Asks for commands for at least `needed` collision substeps, if the device counts them.
+    pub(super) fn record_substeps(&mut self, needed: u32) {
+        if let Some(solver) = self.solver.as_mut().filter(|solver| solver.counts_substeps()) {
+            solver.recorded_substeps = solver.recorded_substeps.max(needed);
+        }
     }
 
     /// Whether some body has continuous collision, with [`Response::Contacts`].

@@ -57,6 +57,8 @@ pub fn meets_nothing() {
         assert_eq!(substeps(&fast), 1, "step {step}");
         let work = work(&fast);
         assert_eq!(work.submissions, 1, "step {step}");
+        // With the ring and the gate, and not with each other.
+        assert!(work.lists.sphere_pairs.length <= 18, "{:?}", work.lists);
         assert!(
             work.dispatches <= dispatches + 25,
             "{} and {dispatches}",
@@ -194,7 +196,8 @@ pub fn same_with_spare_substeps() {
         worlds.iter_mut().for_each(World::step);
         let [few, many] = worlds.each_ref().map(|world| {
             let results = &world.state.results;
-            let reported = format!("{:?} {:?}", results.contacts, results.manifolds);
+            let pairs = (&results.sphere_pairs, results.approximate_pairs);
+            let reported = format!("{:?} {:?} {pairs:?}", results.contacts, results.manifolds);
             (rows(world), substeps(world), results.asleep.clone(), reported)
         });
         assert!(few == many, "step {step}");
