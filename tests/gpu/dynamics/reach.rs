@@ -24,7 +24,7 @@ fn formation(speed: f32, obstacle: bool) -> World {
     let mut world = World::weightless();
     let [ball, cube, level] = [shapes::ball(0.1, 2), shapes::cube(1.0), shapes::ring()].map(|mesh| world.mesh(&mesh));
     for i in 0..9 {
-        let at = Vec3::new(0.3 * (i % 3) as f32, 0.3 * (i / 3) as f32, 0.0);
+        let at = Vec3::new(1.2 * (i % 3) as f32, 1.2 * (i / 3) as f32, 0.0);
         world.put(&Body {
             linear_velocity: Vec3::X * speed,
             ..Body::at_rest(ball, at, Quat::IDENTITY, Vec3::ONE)
@@ -33,9 +33,9 @@ fn formation(speed: f32, obstacle: bool) -> World {
     let mut fixed = |mesh, at, scale| world.add(RigidBody::Static, mesh, scale, at, Quat::IDENTITY);
     // They fly through the bounding sphere of the ring.
     fixed(level, Vec3::ZERO, Vec3::splat(60.0));
-    let gate = fixed(cube, Vec3::X * 3.0, Vec3::new(0.1, 4.0, 4.0));
+    let gate = fixed(cube, Vec3::X * 4.0, Vec3::new(0.1, 6.0, 6.0));
     if obstacle {
-        fixed(cube, Vec3::X * 5.0, Vec3::new(0.05, 2.0, 2.0));
+        fixed(cube, Vec3::X * 8.0, Vec3::new(0.05, 6.0, 6.0));
     }
     world.state.input.bodies.sensor[gate] = true;
     world.state.input.planes.push(Plane {
@@ -88,7 +88,7 @@ pub fn meets_a_plate() {
     assert!(repeated > 0, "the first impact was not foreseen");
     for world in &worlds {
         for i in 0..9 {
-            assert!(world.center(i).x < 5.0, "body {i} is in front of the plate");
+            assert!(world.center(i).x < 8.0, "body {i} is in front of the plate");
         }
     }
 }
