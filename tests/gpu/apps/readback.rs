@@ -607,6 +607,20 @@ fn sleepers(_: &Gpu) {
     assert_eq!(sim.report().sleeping, 3);
 }
 
+/// A step of the same world in three readings, after which all bodies are at the same places.
+fn step_alike(worlds: &mut [Sim; 3], step: u32) {
+    let [wanted, latent, resident] = worlds.each_mut().map(|sim| {
+        sim.step(1);
+        let snapshot = Snapshot::take(sim.world());
+        snapshot
+            .bodies()
+            .map(|(entity, motion)| (entity, *motion))
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(latent, wanted, "latent, step {step}");
+    assert_eq!(resident, wanted, "resident, step {step}");
+}
+
 /// Cubes fall from one place, far from where they end, in three readings.
 fn same_contacts(_: &Gpu) {
     let mut worlds = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
@@ -624,16 +638,7 @@ fn same_contacts(_: &Gpu) {
         sim
     });
     for step in 0..60 {
-        let [wanted, latent, resident] = worlds.each_mut().map(|sim| {
-            sim.step(1);
-            let snapshot = Snapshot::take(sim.world());
-            snapshot
-                .bodies()
-                .map(|(entity, motion)| (entity, *motion))
-                .collect::<Vec<_>>()
-        });
-        assert_eq!(latent, wanted, "latent, step {step}");
-        assert_eq!(resident, wanted, "resident, step {step}");
+        step_alike(&mut worlds, step);
     }
 }
 
@@ -661,16 +666,7 @@ fn same_impacts(_: &Gpu) {
     let mut counts = Vec::new();
     let mut submissions = [0; 3];
     for step in 0..50 {
-        let [wanted, latent, resident] = worlds.each_mut().map(|sim| {
-            sim.step(1);
-            let snapshot = Snapshot::take(sim.world());
-            snapshot
-                .bodies()
-                .map(|(entity, motion)| (entity, *motion))
-                .collect::<Vec<_>>()
-        });
-        assert_eq!(latent, wanted, "latent, step {step}");
-        assert_eq!(resident, wanted, "resident, step {step}");
+        step_alike(&mut worlds, step);
         counts.push(worlds[0].report().collision_substeps);
         for (sum, sim) in submissions.iter_mut().zip(&worlds) {
             *sum += sim.report().gpu.map_or(0, |work| work.submissions);
