@@ -1,6 +1,6 @@
-// The lengths of the collision substeps of a step that may need several of them: of the first, at the end of its begin, and
-// of each that follows. If fewer are recorded than the step needs it does nothing, and the host repeats it with more. If more
-// are recorded, those beyond do nothing. One thread.
+// Sets the length of a collision substep, in a step that may need several. It runs before each of them. If fewer are recorded
+// than the step needs, the step does nothing, and the host repeats it with more. If more are recorded, the last ones do
+// nothing. One thread.
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
