@@ -84,12 +84,14 @@ fn overlap(a: GridEntry, b: GridEntry) -> bool {
     // In units of the larger sphere: squares of tiny or huge lengths would leave the range of f32.
     let reach = a.radius + b.radius;
     let d = (b.center - a.center) / reach;
-#ifdef SWEPT
-    if !meet(sweeps[a.body], sweeps[b.body]) {
+    if !(dot(d, d) <= SPHERE_SLACK) {
         return false;
     }
+#ifdef SWEPT
+    return meet(sweeps[a.body], sweeps[b.body]);
+#else
+    return true;
 #endif
-    return dot(d, d) <= SPHERE_SLACK;
 }
 
 fn may_collide(a: GridEntry, b: GridEntry) -> bool {

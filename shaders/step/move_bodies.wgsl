@@ -11,19 +11,10 @@
 @group(0) @binding(3) var<storage, read> motion_states: array<s::MotionState>;
 @group(0) @binding(4) var<storage, read> body_constants: array<s::BodyConstants>;
 @group(0) @binding(5) var<storage, read_write> bodies: array<t::Body>;
-@group(0) @binding(6) var<storage, read_write> counters: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i == 0u {
-        // The counters of the triangle test stay: it runs in the first collision substep only.
-        counters[t::LEVELS] = 0u;
-        counters[t::LEVELS + 1u] = 0u;
-        counters[t::SPHERE_PAIRS] = 0u;
-        counters[t::APPROXIMATE] = 0u;
-        counters[t::SELECTED] = 0u;
-    }
     if i >= step.bodies {
         return;
     }

@@ -16,13 +16,13 @@
 fn main() {
     let needed = counters[t::NEEDED_SUBSTEPS];
     let done = tally[t::COLLISION_SUBSTEPS];
-    if done == 0u {
-        // The search for what can meet has used them.
-        tally[t::MAX_SPHERE_PAIRS] = max(tally[t::MAX_SPHERE_PAIRS], counters[t::SPHERE_PAIRS]);
-        counters[t::LEVELS] = 0u;
-        counters[t::LEVELS + 1u] = 0u;
-        counters[t::SPHERE_PAIRS] = 0u;
-    }
+    // The search before has used them. The counters of the triangle test stay: it runs in the first collision substep only.
+    tally[t::MAX_SPHERE_PAIRS] = max(tally[t::MAX_SPHERE_PAIRS], counters[t::SPHERE_PAIRS]);
+    counters[t::LEVELS] = 0u;
+    counters[t::LEVELS + 1u] = 0u;
+    counters[t::SPHERE_PAIRS] = 0u;
+    counters[t::APPROXIMATE] = 0u;
+    counters[t::SELECTED] = 0u;
     if needed > division.recorded {
         status[t::OVERFLOW] = 1u;
         counters[t::SKIPPED] = 1u;

@@ -54,8 +54,10 @@ pub fn small_worlds_take_few_dispatches(gpu: &Gpu) {
             validations,
             passes,
             submissions,
+            lists,
             ..
         } = work(&state);
+        assert_eq!(lists.sphere_pairs.length as usize, state.results.sphere_pairs.len());
         println!("\n{response:?}: {dispatches} dispatches, {indirect} of them indirect");
         assert!(dispatches <= most, "{dispatches}");
         assert!(indirect < dispatches && (validations == 0 || validations == indirect));
