@@ -7,7 +7,7 @@
 // Between colours only the velocities of bodies go from thread to thread: the same thread visits the points of a pair in
 // each pass. A small island keeps these velocities in workgroup memory. On a card a barrier for storage buffers drops what
 // is cached of them, and after it the next colour would wait for memory at each point.
-#import faceoff::constants::solver::{PASS_BUDGET, RESTITUTION_TOLERANCE}
+#import faceoff::constants::solver::{PASS_BUDGET, RESTITUTION_TOLERANCE, SUBSTEP_BUDGET}
 #import faceoff::contact as c
 #import faceoff::contact::{body_states, collision_substep, point_states, solver_pairs}
 #import faceoff::dispatch::group_index
@@ -77,7 +77,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var last = 0u;
     for (var number = 0u; number <= last; number += 1u) {
         let h = collision_substep.h / f32(factor);
-        substep(thread, island, number, h);
+        substep(thread, island, number, factor, h);
         let all = reduced(thread, measure(thread, island, number == 0u));
         if number == 0u {
             island.points = max(u32(all.y), 1u);
@@ -217,9 +217,9 @@ fn scale_impulses(thread: u32, island: SolvedIsland, factor: f32) {
     }
 }
 
-// One substep of `h` seconds. Each part stands here once, in a loop over what passes are for: compilers put all
+// One substep of `h` seconds, of an island with this factor on their number. Each part stands here once, in a loop over what passes are for: compilers put all
 // functions in place.
-fn substep(thread: u32, island: SolvedIsland, number: u32, h: f32) {
+fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32, h: f32) {
     let range = island.range;
     let is_first = number == 0u;
     let last = select(v::RESTITUTION, v::RELAX, is_first);
@@ -263,7 +263,8 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, h: f32) {
             least = collision_substep.restitution_iterations;
             parameters.convergence_speed = RESTITUTION_TOLERANCE * fastest_of_all;
         }
-        var most = max(min(collision_substep.max_iterations, PASS_BUDGET / max(island.points, 1u)), least);
+        let budget = min(PASS_BUDGET, SUBSTEP_BUDGET / factor);
+        var most = max(min(collision_substep.max_iterations, budget / max(island.points, 1u)), least);
         most = select(most, 0u, is_first || (purpose == v::RESTITUTION && fastest_of_all == 0.0));
         storageBarrier();
         for (var k = range.first + thread; most > 0u && k < range.end; k += THREADS) {

@@ -188,8 +188,8 @@
 //!   normal.
 //! * **Bias passes** push overlapping bodies apart, **relax passes** then remove the velocity that this added. A pass is
 //!   projected Gauss-Seidel over the pairs of an island, with an extrapolation between passes, until the
-//!   velocities have converged. Large islands get fewer passes. Heavy loads get more substeps. Pairs are coloured, and pairs
-//!   of one colour have no moving body in common, so that several are solved at once.
+//!   velocities have converged. Large islands get fewer passes. Heavy loads get more substeps, with fewer passes each on a
+//!   GPU. Pairs are coloured, and pairs of one colour have no moving body in common, so that several are solved at once.
 //! * **Friction** stays within Coulomb's cone. In a flat patch it acts over the area and not at the corners.
 //! * **Impacts** are resolved in the substep in which they happen, for all contacts of the island at once.
 //! * A pair that overlaps deeply when it first meets is pushed apart along the line of centres.

@@ -43,6 +43,7 @@ macro_rules! physical_tests {
                 a_stack_of_ten_boxes_stands_for_half_a_minute,
                 a_pyramid_stands,
                 a_heavy_box_rests_on_a_light_one,
+                a_very_heavy_box_rests_on_five_light_ones,
                 a_dropped_stack_comes_to_rest,
                 the_impulse_that_supports_a_box_is_its_weight,
                 a_stack_stands_while_the_step_changes,

@@ -11,7 +11,8 @@
 //! points, one after the other, whatever the number of threads.
 //!
 //! Limits: an island of many thousands of pairs occupies one workgroup while the rest of the device is idle. A body with a
-//! thousand pairs needs a thousand colours. Passes are bounded as on the CPU, so that no dispatch takes long.
+//! thousand pairs needs a thousand colours. Passes are bounded as on the CPU, and further where heavy loads shorten the
+//! substeps, so that no dispatch takes long.
 //!
 //! | file | contents |
 //! |---|---|
@@ -48,6 +49,12 @@ pub use buffers::{SolverBuffers, SolverCapacity};
 use super::{body_constants, load, overlap, patch, restitution, solve, substep};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
+/// Points times passes of an island in one part of all substeps that heavy loads make of one.
+///
+/// On a card one thread takes half a microsecond for a point in a pass. Without this limit a single island of 50 points
+/// under a heavy load took a hundred milliseconds of a step. The CPU is much faster at a single island and has no such limit.
+const SUBSTEP_BUDGET: u32 = 4 * substep::PASS_BUDGET;
+
 const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 OPPOSED = overlap::OPPOSED;
     f32 CONFLICT_DEPTH = overlap::CONFLICT_DEPTH;
@@ -61,6 +68,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 MAX_FACTOR = load::MAX_FACTOR;
     f32 POINT_BUDGET = load::POINT_BUDGET;
     u32 PASS_BUDGET = substep::PASS_BUDGET;
+    u32 SUBSTEP_BUDGET = SUBSTEP_BUDGET;
     f32 RESTITUTION_TOLERANCE = restitution::TOLERANCE;
     f32 SAME_NORMAL = patch::SAME_NORMAL;
     f32 FLATNESS = patch::FLATNESS;
