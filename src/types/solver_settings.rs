@@ -36,7 +36,7 @@ pub struct SolverSettings {
     /// added. Default 2: at least so many. Without them chains break.
     pub relax_iterations: u32,
     /// Most passes of either kind. Default 64. Small islands get as many as they need to converge, large
-    /// ones fewer.
+    /// ones fewer, and on a GPU those under heavy loads too.
     pub max_iterations: u32,
     /// An island has converged if no pass changes the velocity at a contact by more than this, in m/s.
     /// Default 0.001. Small bodies, and light ones below heavy ones, are solved more exactly.
