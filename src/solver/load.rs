@@ -3,19 +3,27 @@
 //! A contact gives way by a distance that is proportional to its load, and to the square of the length of a substep. A
 //! heavy body on a light one would press it flat; with shorter substeps the springs are stiffer.
 
-use super::batch::Batches;
+use super::batch::{Batches, PointLanes, RowLanes};
 use super::colors::LANES;
 use super::constraints::BundlesMut;
+use super::contact::Pair;
 use super::group::Group;
 use super::pace::Pace;
 use super::prepare::Source;
+use crate::geometry::lanes::Stored;
 use crate::simd::lanes::lane_of;
+use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// A contact at rest may give way by this fraction of D: a little more than the gap that it keeps.
 pub(super) const MAX_COMPRESSION: f32 = 0.0007;
 /// Largest factor on the number of substeps.
 pub(super) const MAX_FACTOR: f32 = 16.0;
+/// The impulse of a point counts up to so many times what its pair transmits.
+///
+/// The rest is stress between two bodies that are wedged in each other, which push both ways at different points. It moves
+/// nothing and can be any number. Levers, as a peg in a hole, stay below.
+pub(super) const MAX_STRESS: f32 = 10.0;
 /// Points times factor of an island.
 pub(super) const POINT_BUDGET: f32 = 2000.0;
 
@@ -29,8 +37,11 @@ pub(super) fn substep_factors(
     pace: Pace,
 ) -> [u32; LANES] {
     let h = pace.h();
-    let stiffness = (TAU * source.settings.frequency / h).powi(2);
-    let gravity = source.gravity;
+    let loads = Loads {
+        stiffness: (TAU * source.settings.frequency / h).powi(2),
+        gravity: source.gravity,
+        h,
+    };
     let mut compressions = [0.0f32; LANES];
     let mut pairs = bundle.pairs.iter();
     for (batch, points) in Batches::new(bundle.batches, bundle.lanes) {
@@ -41,32 +52,124 @@ pub(super) fn substep_factors(
             let inverse_masses = pair
                 .slots
                 .map(|slot| bundle.states.masses[slot as usize].inverse_mass.max_element());
-            for point in points.iter().filter(|point| point.valid >> lane & 1 == 1) {
-                // Acceleration of the bodies by the load.
-                let impulse = point.normal_impulse.0[lane];
-                let load = if impulse > 0.0 {
-                    impulse * point.inverse_effective_mass[0].0[lane] / h
-                } else if !pair.known && point.separation.0[lane] <= pair.rest_offset {
-                    // The load is not known yet. The upper body rests on the lower one with at least its own weight.
-                    let down = -lane_of(&point.rows[0].direction, lane).dot(gravity);
-                    let upper = usize::from(down > 0.0);
-                    let weight = down.abs() / inverse_masses[upper];
-                    if weight.is_finite() {
-                        weight * (inverse_masses[0] + inverse_masses[1])
-                    } else {
-                        0.0
-                    }
-                } else {
-                    0.0
-                };
-                let compression = load / (stiffness * MAX_COMPRESSION * pair.diameter);
-                let island = group.island(lane);
-                compressions[island] = compressions[island].max(compression);
-            }
+            let compression = loads.compression(pair, inverse_masses, points, lane);
+            let island = group.island(lane);
+            compressions[island] = compressions[island].max(compression);
         }
     }
     std::array::from_fn(|island| {
         let most = (POINT_BUDGET / point_counts[island] as f32).clamp(1.0, MAX_FACTOR);
         compressions[island].sqrt().clamp(1.0, most).ceil() as u32
     })
+}
+
+/// What loads depend on besides their pair.
+struct Loads {
+    /// Acceleration of a contact spring per metre, 1/s^2.
+    stiffness: f32,
+    gravity: Vec3,
+    /// Length of a substep, seconds.
+    h: f32,
+}
+
+impl Loads {
+    /// How far the springs of the pair in a lane give way under their loads, over how far they may.
+    fn compression(&self, pair: &Pair, inverse_masses: [f32; 2], points: &[PointLanes], lane: usize) -> f32 {
+        let compression = self.compression_by(pair, inverse_masses, points, lane, f32::INFINITY);
+        if compression <= 1.0 {
+            return compression;
+        }
+        let most_impulse = MAX_STRESS * transmitted_impulse(points, lane).length();
+        self.compression_by(pair, inverse_masses, points, lane, most_impulse)
+    }
+
+    /// The same by impulses that count up to `most_impulse`.
+    fn compression_by(
+        &self,
+        pair: &Pair,
+        inverse_masses: [f32; 2],
+        points: &[PointLanes],
+        lane: usize,
+        most_impulse: f32,
+    ) -> f32 {
+        let of = |point: &PointLanes| {
+            // Acceleration of the bodies by the load.
+            let impulse = point.normal_impulse.0[lane].min(most_impulse);
+            let load = if impulse > 0.0 {
+                impulse * point.inverse_effective_mass[0].0[lane] / self.h
+            } else if !pair.known && point.separation.0[lane] <= pair.rest_offset {
+                // The load is not known yet. The upper body rests on the lower one with at least its own weight.
+                let down = -lane_of(&point.rows[0].direction, lane).dot(self.gravity);
+                let upper = usize::from(down > 0.0);
+                let weight = down.abs() / inverse_masses[upper];
+                if weight.is_finite() {
+                    weight * (inverse_masses[0] + inverse_masses[1])
+                } else {
+                    0.0
+                }
+            } else {
+                0.0
+            };
+            load / (self.stiffness * MAX_COMPRESSION * pair.diameter)
+        };
+        let valid = points.iter().filter(|point| point.valid >> lane & 1 == 1);
+        valid.map(of).fold(0.0, f32::max)
+    }
+}
+
+/// The sum of the impulses of the pair in a lane.
+fn transmitted_impulse(points: &[PointLanes], lane: usize) -> Vec3 {
+    let of = |point: &PointLanes| {
+        let [first, second] = &point.friction_impulse;
+        let impulses = [&point.normal_impulse, first, second];
+        let along = |(row, impulse): (&RowLanes, &Stored)| lane_of(&row.direction, lane) * impulse.0[lane];
+        point.rows.iter().zip(impulses).map(along).sum::<Vec3>()
+    };
+    points.iter().filter(|point| point.valid >> lane & 1 == 1).map(of).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The compression of a pair of two points with these normals and the same impulse.
+    fn compression(normals: [Vec3; 2]) -> f32 {
+        let point = |normal: Vec3| {
+            let mut point = PointLanes {
+                valid: 1,
+                ..Default::default()
+            };
+            for (lanes, x) in point.rows[0].direction.iter_mut().zip(normal.to_array()) {
+                lanes.0[0] = x;
+            }
+            point.normal_impulse.0[0] = 1.0;
+            point.inverse_effective_mass[0].0[0] = 1.0;
+            point
+        };
+        let pair = Pair {
+            diameter: 1.0,
+            ..Default::default()
+        };
+        let loads = Loads {
+            stiffness: 1.0e4,
+            gravity: Vec3::ZERO,
+            h: 1.0e-3,
+        };
+        loads.compression(&pair, [1.0, 1.0], &normals.map(point), 0)
+    }
+
+    #[test]
+    fn what_a_pair_transmits_counts_and_stress_within_it_does_not() {
+        let all = compression([Vec3::Y, Vec3::Y]);
+        assert!(all > 100.0, "{all}");
+        assert_eq!(compression([Vec3::Y, Vec3::X]), all, "two walls of a groove");
+        assert_eq!(
+            compression([Vec3::Y, Vec3::new(0.2, -0.979_795_9, 0.0)]),
+            all,
+            "a lever"
+        );
+        assert_eq!(compression([Vec3::Y, -Vec3::Y]), 0.0, "a wedge");
+        let nearly = compression([Vec3::Y, Vec3::new(0.02, -0.999_8, 0.0)]);
+        assert!((0.19 * all..0.21 * all).contains(&nearly), "{nearly} of {all}");
+    }
 }

@@ -66,6 +66,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 MAX_STEP_ERROR = solve::MAX_STEP_ERROR;
     f32 MAX_COMPRESSION = load::MAX_COMPRESSION;
     f32 MAX_FACTOR = load::MAX_FACTOR;
+    f32 MAX_STRESS = load::MAX_STRESS;
     f32 POINT_BUDGET = load::POINT_BUDGET;
     u32 PASS_BUDGET = substep::PASS_BUDGET;
     u32 SUBSTEP_BUDGET = SUBSTEP_BUDGET;
