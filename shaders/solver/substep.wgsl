@@ -217,8 +217,8 @@ fn scale_impulses(thread: u32, island: SolvedIsland, factor: f32) {
     }
 }
 
-// One substep of `h` seconds, of an island with this factor on their number. Each part stands here once, in a loop over what passes are for: compilers put all
-// functions in place.
+// One substep of `h` seconds, of an island with this factor on their number. Each part stands here once, in a loop over
+// what passes are for: compilers put all functions in place.
 fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32, h: f32) {
     let range = island.range;
     let is_first = number == 0u;

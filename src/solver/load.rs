@@ -22,7 +22,7 @@ pub(super) const MAX_FACTOR: f32 = 16.0;
 /// The impulse of a point counts up to so many times what its pair transmits.
 ///
 /// The rest is stress between two bodies that are wedged in each other, which push both ways at different points. It moves
-/// nothing and can be any number. Levers, as a peg in a hole, stay below.
+/// nothing and can be any number. Levers, as a peg in a hole, count in full up to this ratio.
 pub(super) const MAX_STRESS: f32 = 10.0;
 /// Points times factor of an island.
 pub(super) const POINT_BUDGET: f32 = 2000.0;
