@@ -76,8 +76,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var factor = 1u;
     var last = 0u;
     for (var number = 0u; number <= last; number += 1u) {
-        let h = collision_substep.h / f32(factor);
-        substep(thread, island, number, factor, h);
+        substep(thread, island, number, factor);
         let all = reduced(thread, measure(thread, island, number == 0u));
         if number == 0u {
             island.points = max(u32(all.y), 1u);
@@ -217,10 +216,11 @@ fn scale_impulses(thread: u32, island: SolvedIsland, factor: f32) {
     }
 }
 
-// One substep of `h` seconds, of an island with this factor on their number. Each part stands here once, in a loop over
-// what passes are for: compilers put all functions in place.
-fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32, h: f32) {
+// One substep of an island with this factor on their number. Each part stands here once, in a loop over what passes are
+// for: compilers put all functions in place.
+fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
     let range = island.range;
+    let h = collision_substep.h / f32(factor);
     let is_first = number == 0u;
     let last = select(v::RESTITUTION, v::RELAX, is_first);
     for (var purpose = select(v::BIAS, v::RELAX, is_first); purpose <= last; purpose += 1u) {

@@ -76,6 +76,7 @@ impl Loads {
     /// How far the springs of the pair in a lane give way under their loads, over how far they may.
     fn compression(&self, pair: &Pair, inverse_masses: [f32; 2], points: &[PointLanes], lane: usize) -> f32 {
         let compression = self.compression_by(pair, inverse_masses, points, lane, f32::INFINITY);
+        // Nearly all pairs: their loads ask for no shorter substeps, whatever part of them is stress.
         if compression <= 1.0 {
             return compression;
         }
@@ -112,8 +113,7 @@ impl Loads {
             };
             load / (self.stiffness * MAX_COMPRESSION * pair.diameter)
         };
-        let valid = points.iter().filter(|point| point.valid >> lane & 1 == 1);
-        valid.map(of).fold(0.0, f32::max)
+        valid_points(points, lane).map(of).fold(0.0, f32::max)
     }
 }
 
@@ -125,7 +125,11 @@ fn transmitted_impulse(points: &[PointLanes], lane: usize) -> Vec3 {
         let along = |(row, impulse): (&RowLanes, &Stored)| lane_of(&row.direction, lane) * impulse.0[lane];
         point.rows.iter().zip(impulses).map(along).sum::<Vec3>()
     };
-    points.iter().filter(|point| point.valid >> lane & 1 == 1).map(of).sum()
+    valid_points(points, lane).map(of).sum()
+}
+
+fn valid_points(points: &[PointLanes], lane: usize) -> impl Iterator<Item = &PointLanes> {
+    points.iter().filter(move |point| point.valid >> lane & 1 == 1)
 }
 
 #[cfg(test)]

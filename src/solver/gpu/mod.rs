@@ -51,8 +51,8 @@ use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
 /// Points times passes of an island in one part of all substeps that heavy loads make of one.
 ///
-/// On a card one thread takes half a microsecond for a point in a pass. Without this limit a single island of 50 points
-/// under a heavy load took a hundred milliseconds of a step. The CPU is much faster at a single island and has no such limit.
+/// On a card the points of a pair come one after the other. Without this limit a single island of 50 points with 16 times
+/// the substeps took a hundred milliseconds of a step. The CPU is much faster at a single island and has no such limit.
 const SUBSTEP_BUDGET: u32 = 4 * substep::PASS_BUDGET;
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
