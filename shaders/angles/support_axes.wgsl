@@ -38,6 +38,16 @@ fn unit_of(size: f32) -> f32 {
 fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let a = bodies[bodies_of_pair.x];
     let b = bodies[bodies_of_pair.y];
+    if a.travel_time == 0.0 && b.travel_time == 0.0 {
+        // Both have completed their step, or one has and the other is static: the pair keeps its contact points.
+        var kept: t::NearPair;
+        kept.a = bodies_of_pair.x;
+        kept.b = bodies_of_pair.y;
+        kept.near = t::NEAR;
+        kept.view_a = t::VIEW_ALL;
+        kept.view_b = t::VIEW_ALL;
+        return kept;
+    }
     let mesh_a = meshes[a.mesh];
     let mesh_b = meshes[b.mesh];
     let unit = unit_of(a.radius + b.radius);

@@ -82,9 +82,9 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
         return 0u;
     }
     let height = height_of(body, plane);
-    let fall = length(step.gravity) * abs(body.gravity_scale) * step.dt;
+    let fall = length(step.gravity) * abs(body.gravity_scale) * body.travel_time;
     let speed = length(body.linear_velocity) + length(body.angular_velocity) * body.radius + fall;
-    let margin = 2.0 * MARGIN * body.radius + SAFETY * speed * step.dt;
+    let margin = 2.0 * MARGIN * body.radius + SAFETY * speed * body.travel_time;
     if height >= body.radius + margin {
         return 0u;
     }

@@ -1,7 +1,6 @@
 #define_import_path faceoff::margins
 
-// Speculative margins. The twin of `src/state/margins.rs`. `Step::speculative_time` is the time until the next
-// detection, times the safety factor.
+// Speculative margins. The twin of `src/state/margins.rs`.
 
 #import faceoff::constants::shared::BOUND
 #import faceoff::types as t
@@ -12,7 +11,7 @@ fn with_speculative_radius(step: t::Step, body: t::Body) -> t::Body {
     var travel = 0.0;
     if (body.flags & t::KIND_MASK) != t::STATIC {
         let v = body.linear_velocity - step.drift;
-        travel = (sqrt(dot(v, v)) + sway(step, body)) * step.speculative_time;
+        travel = (sqrt(dot(v, v)) + sway(step, body, body.travel_time)) * (step.travel_scale * body.travel_time);
     }
     if step.has_fast_bodies == 0u {
         travel = min(travel, BOUND * body.thickness);
@@ -33,7 +32,8 @@ fn with_rounded_center(body: t::Body) -> t::Body {
 fn speculative_margin(step: t::Step, a: t::Body, b: t::Body) -> f32 {
     let diameter = 2.0 * min(a.radius, b.radius);
     let v = velocity(b) - velocity(a);
-    let travel = (sqrt(dot(v, v)) + sway(step, a) + sway(step, b)) * step.speculative_time;
+    let time = max(a.travel_time, b.travel_time);
+    let travel = (sqrt(dot(v, v)) + sway(step, a, time) + sway(step, b, time)) * (step.travel_scale * time);
     return step.contact_margin * diameter + min(travel, BOUND * min(a.thickness, b.thickness));
 }
 
@@ -41,14 +41,14 @@ fn velocity(body: t::Body) -> vec3<f32> {
     return select(body.linear_velocity, vec3(0.0), (body.flags & t::KIND_MASK) == t::STATIC);
 }
 
-// Upper bound of the speed that rotation and gravity add to a body's surface until the next detection, m/s.
-fn sway(step: t::Step, body: t::Body) -> f32 {
+// Upper bound of the speed that rotation and gravity add to a body's surface within this time, m/s.
+fn sway(step: t::Step, body: t::Body, time: f32) -> f32 {
     let kind = body.flags & t::KIND_MASK;
     if kind == t::STATIC {
         return 0.0;
     }
     let w = body.angular_velocity;
     let spin = sqrt(dot(w, w)) * body.radius;
-    let fall = sqrt(dot(step.gravity, step.gravity)) * abs(body.gravity_scale) * step.dt;
+    let fall = sqrt(dot(step.gravity, step.gravity)) * abs(body.gravity_scale) * time;
     return select(spin, spin + fall, kind == t::DYNAMIC);
 }

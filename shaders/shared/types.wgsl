@@ -20,8 +20,8 @@ struct Step {
     touch_capacity: u32,
     // Contact margin as a fraction of the smaller body's diameter; 0 if no contact points are needed.
     contact_margin: f32,
-    // Time in which the travel of bodies adds to their margins, seconds.
-    speculative_time: f32,
+    // Factor on the travel of bodies in their margins; 0 if they do not move.
+    travel_scale: f32,
     // Not 0: the half-spaces differ from those of the last step.
     planes_changed: u32,
     compounds: u32,
@@ -76,6 +76,11 @@ struct Body {
     inactive: u32,
     // Number of its body: that of the body's first collider.
     body: u32,
+    // How long it moves until the next detection, seconds; 0 if it has completed its step.
+    travel_time: f32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // A moving body whose colliders are placed in it. Its row in `moved` follows those of the colliders.
@@ -176,8 +181,8 @@ struct Sweep {
     flags: u32,
 }
 
-// For the first body of a group: its solid bodies, and what is static and in their way. Velocities are integers in the order
-// of the floats (`ascending`), 0 for none.
+// For the first body of a group: its solid bodies, and what is static and in their way. Velocities and coordinates are
+// integers in the order of the floats (`ascending`), 0 for none.
 struct Meeting {
     // Along each axis.
     highest: array<atomic<u32>, 3>,
@@ -187,11 +192,14 @@ struct Meeting {
     highest_negated: array<atomic<u32>, 3>,
     // The largest speed of a surface relative to its body's centre of mass, as bits.
     spin: atomic<u32>,
+    // The box that its bodies sweep over.
+    high: array<atomic<u32>, 3>,
     // Thickness of the thinnest body, as bits.
     thinnest: atomic<u32>,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
+    // Of the negated coordinates.
+    high_negated: array<atomic<u32>, 3>,
+    // The number of collision substeps that it needs.
+    substeps: atomic<u32>,
 }
 
 // How a step is divided into collision substeps.

@@ -1,7 +1,8 @@
 // Sleep: bodies that keep their island awake, or wake it. One thread per collider.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, constants, forces, collision_substep, motion_states}
+#import faceoff::islands::{solver_bodies, constants, forces, collision_substep, motion_states, body_paces}
+#import faceoff::paces::travel_time
 #import faceoff::solver_types as s
 #import faceoff::types as t
 #import faceoff::union_find::islands
@@ -24,7 +25,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
     } else {
         let slow = speed < collision_substep.sleep_speed;
-        let rest_time = select(0.0, motion_states[i].rest_time + collision_substep.dt, slow);
+        let rest_time = select(0.0, motion_states[i].rest_time + travel_time(body_paces[i]), slow);
         motion_states[i].rest_time = rest_time;
         let ready = asleep || (rest_time >= collision_substep.sleep_time && !forced);
         disturbed = disturbed && !ready;

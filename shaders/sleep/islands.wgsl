@@ -18,6 +18,7 @@
 @group(0) @binding(5) var<storage, read> solver_bodies: array<s::SolverBody>;
 @group(0) @binding(6) var<storage, read_write> motion_states: array<s::MotionState>;
 @group(0) @binding(7) var<storage, read> forces: array<s::BodyForces>;
+@group(0) @binding(9) var<storage, read> body_paces: array<u32>;
 
 fn disturb(body: u32) {
     atomicStore(&islands[root_of(body)].disturbed, 1u);

@@ -3,7 +3,8 @@
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters}
-#import faceoff::islands::{collision_substep, motion_states}
+#import faceoff::islands::{body_paces, collision_substep, motion_states}
+#import faceoff::paces::travel_time
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -47,12 +48,13 @@ fn will_touch(pair: t::ContactPair, bodies: vec2<u32>) -> bool {
         return l::touches(pair);
     }
     let near = l::touch_distance(pair);
-    let fall = sqrt(dot(collision_substep.gravity, collision_substep.gravity)) * collision_substep.dt;
+    let dt = max(travel_time(body_paces[bodies.x]), travel_time(body_paces[bodies.y]));
+    let fall = sqrt(dot(collision_substep.gravity, collision_substep.gravity)) * dt;
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
         let point = contact_points[k];
         let velocity = velocity_at(bodies.x, point.anchor_a) - velocity_at(bodies.y, point.anchor_b);
         let approach_speed = dot(velocity, point.normal);
-        if point.separation - (max(approach_speed, 0.0) + fall) * collision_substep.dt <= near {
+        if point.separation - (max(approach_speed, 0.0) + fall) * dt <= near {
             return true;
         }
     }

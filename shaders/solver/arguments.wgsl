@@ -2,6 +2,7 @@
 // length; saved impulses then stay as they are.
 #import faceoff::constants::shared::{DIGITS, SCAN_BLOCK, SORT_BLOCK}
 #import faceoff::dispatch::{divide_up, rows}
+#import faceoff::paces::paces
 #import faceoff::solver_math::{finite, finite_vector}
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -28,16 +29,15 @@ fn main() {
         solver_counters[s::SKIPPED] = 1u;
     }
     let runs = solver_counters[s::SKIPPED] == 0u
-        && collision_substep.h > 0.0
-        && finite(collision_substep.h)
+        && collision_substep.paces > 0u
+        && paces[0].h > 0.0
+        && finite(paces[0].h)
         && finite_vector(collision_substep.gravity);
     solver_counters[s::ENTRIES] = select(0u, pairs, runs);
     if runs {
         solver_counters[s::SAVED_PAIRS] = solver_counters[s::PAIRS];
-        solver_counters[s::SAVED_SUBSTEP] = solver_counters[s::SUBSTEP];
         solver_counters[s::PAIRS] = pairs;
         solver_counters[s::POINTS] = points;
-        solver_counters[s::SUBSTEP] = bitcast<u32>(collision_substep.h);
     }
     let blocks = divide_up(pairs, SORT_BLOCK);
     put(s::GROUPS_PER_64_PAIRS, divide_up(pairs, 64u), runs);

@@ -3,6 +3,7 @@
 #import faceoff::dispatch::group_index
 #import faceoff::math::max_component
 #import faceoff::motion as m
+#import faceoff::paces::NO_PACE
 #import faceoff::solver_math::{finite, finite_rotation, finite_vector}
 #import faceoff::solver_types as s
 #import faceoff::tensor::{inverse_tensor, is_zero, Tensor}
@@ -16,6 +17,7 @@
 @group(0) @binding(4) var<storage, read_write> body_constants: array<s::BodyConstants>;
 @group(0) @binding(5) var<storage, read_write> body_states: array<s::BodyState>;
 @group(0) @binding(6) var<storage, read_write> old_numbers: array<u32>;
+@group(0) @binding(7) var<storage, read> body_paces: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -25,7 +27,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let body = solver_bodies[i];
     let state = motion_states[i];
-    var constants = body_constants_of(i, body, state, forces[i]);
+    let pace = body_paces[i];
+    var constants = body_constants_of(i, body, state, forces[i], pace);
+    if pace == NO_PACE && (body.flags & t::KIND_MASK) != t::STATIC {
+        // Its contacts keep their points, whose anchors are in its axes of then.
+        constants.initial_rotation = body_constants[i].initial_rotation;
+    }
     var mass: s::Mass;
     mass.flags = constants.flags;
     var velocity: s::Velocity;
@@ -68,13 +75,18 @@ fn body_constants_of(
     body: s::SolverBody,
     state: s::MotionState,
     external_forces: s::BodyForces,
+    pace: u32,
 ) -> s::BodyConstants {
     let valid = finite_vector(state.center)
         && finite_rotation(state.rotation)
         && finite_vector(state.linear_velocity)
         && finite_vector(state.angular_velocity);
     let kind = body.flags & t::KIND_MASK;
-    let moves = valid && kind != t::STATIC && state.asleep == 0u && body.body == number;
+    let moves = valid
+        && kind != t::STATIC
+        && state.asleep == 0u
+        && body.body == number
+        && pace != NO_PACE;
     let has_mass = moves
         && kind == t::DYNAMIC
         && body.inverse_mass > 0.0
@@ -93,6 +105,7 @@ fn body_constants_of(
     constants.max_linear_speed = body.max_linear_speed;
     constants.max_angular_speed = body.max_angular_speed;
     constants.flags = select(0u, s::FINITE, valid) | select(0u, s::MOVES, moves);
+    constants.flags |= select(s::COMPLETED, pace << s::PACE_SHIFT, pace != NO_PACE);
     if !has_mass {
         constants.flags |= s::ISOTROPIC;
         return constants;

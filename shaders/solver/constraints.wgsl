@@ -1,6 +1,7 @@
 // Solver: the constraint of each pair, and its saved pair of the last collision substep. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::math::rotate
+#import faceoff::paces::paces
 #import faceoff::solver_math::finite
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -67,6 +68,8 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
         flags |= s::FROZEN;
     }
     (*pair).flags = flags;
+    (*pair).pace = pace_of_pair(first, second);
+    (*pair).substep = paces[(*pair).pace].h;
     let collider_a = (*pair).collider_a;
     let collider_b = (*pair).collider_b;
     let smaller = 2.0 * min(solver_bodies[collider_a].radius, solver_bodies[collider_b].radius);
@@ -99,6 +102,15 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
         let larger = max(ratio, 1.0 / ratio);
         (*pair).mass_ratio = select(1.0, larger, finite(larger));
     }
+}
+
+// The number of the pace of a pair, by the flags of its bodies. Bodies that meet nearly always have the same: others meet only
+// if an impulse in this step changed a velocity beyond what was foreseen.
+fn pace_of_pair(first: u32, second: u32) -> u32 {
+    let numbers = vec2(first, second) >> vec2(s::PACE_SHIFT);
+    let has_mass = (vec2(first, second) & vec2(s::HAS_MASS)) != vec2(0u);
+    let longest = select(vec2(0xffffu), numbers, has_mass);
+    return select(0u, min(longest.x, longest.y), any(has_mass));
 }
 
 // From the centre of mass of a body to that of its collider, in world axes.
@@ -141,6 +153,7 @@ fn combined(shift: u32, first: u32, second: u32, x: f32, y: f32) -> f32 {
 fn find_saved_pair(pair: ptr<function, s::SolverPair>) {
     let first = old_numbers[(*pair).collider_a];
     let second = old_numbers[(*pair).collider_b];
+    let moves = ((body_states[(*pair).a].mass.flags | body_states[(*pair).b].mass.flags) & s::MOVES) != 0u;
     if first == s::NOT_SAVED || second == s::NOT_SAVED {
         return;
     }
@@ -165,6 +178,10 @@ fn find_saved_pair(pair: ptr<function, s::SolverPair>) {
         (*pair).saved_pair = low;
         if first > second {
             (*pair).flags |= s::SWAPPED;
+        }
+        if !moves && saved.count == (*pair).count {
+            (*pair).flags |= s::KEPT;
+            (*pair).substep = saved.substep;
         }
     }
 }

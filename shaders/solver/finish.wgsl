@@ -3,6 +3,7 @@
 #import faceoff::dispatch::group_index
 #import faceoff::math::compose
 #import faceoff::motion as m
+#import faceoff::paces::pace_of
 #import faceoff::solver_math::{coarse_part, coarse_rotation, finite_rotation, coarse_digit}
 #import faceoff::solver_types as s
 
@@ -36,10 +37,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 fn move_freely(i: u32) {
     let constants = body_constants[i];
+    let pace = pace_of(constants.flags);
     var state = body_states[i];
-    for (var number = 0u; number < collision_substep.substeps; number += 1u) {
-        state.velocity = m::with_integrated_velocity(state.velocity, state.mass, constants, collision_substep.h);
-        m::integrate_pose(constants, &state, collision_substep.h);
+    for (var number = 0u; number < pace.substeps; number += 1u) {
+        state.velocity = m::with_integrated_velocity(state.velocity, state.mass, constants, pace.h);
+        m::integrate_pose(constants, &state, pace.h);
     }
     body_states[i] = state;
 }

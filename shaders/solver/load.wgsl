@@ -9,7 +9,7 @@
 
 // How far the springs of a pair give way under their loads, over how far they may. The points have the impulses of the
 // last collision substep, which count up to a multiple of what the pair transmits.
-fn compression(pair: s::SolverPair) -> f32 {
+fn compression(pair: s::SolverPair, pace: s::Pace) -> f32 {
     if (pair.flags & s::DEPENETRATING) != 0u || !(pair.diameter > 0.0) {
         return 0.0;
     }
@@ -25,7 +25,7 @@ fn compression(pair: s::SolverPair) -> f32 {
         var load = 0.0;
         let impulse = min(point_states[k].normal_impulse, most_impulse);
         if impulse > 0.0 {
-            load = impulse * point_states[k].normal_row.inverse_effective_mass / collision_substep.h;
+            load = impulse * point_states[k].normal_row.inverse_effective_mass / pace.h;
         } else if pair.saved_pair == s::NOT_SAVED && point_states[k].separation <= pair.rest_offset {
             // The load is not known yet. The upper body rests on the lower one with at least its own weight.
             let down = -dot(point_states[k].normal, collision_substep.gravity);
@@ -34,7 +34,7 @@ fn compression(pair: s::SolverPair) -> f32 {
                 load = abs(down) / upper * (inverse_mass_a + inverse_mass_b);
             }
         }
-        most = max(most, load / (collision_substep.stiffness * MAX_COMPRESSION * pair.diameter));
+        most = max(most, load / (pace.stiffness * MAX_COMPRESSION * pair.diameter));
     }
     return most;
 }

@@ -4,6 +4,7 @@
 
 #import faceoff::constants::shared::{DEFAULT_DIRECTION, SAFETY}
 #import faceoff::constants::solver::{CONFLICT_DEPTH, MIN_DIRECTION_LENGTH, OPPOSED, RESOLVED_DEPTH}
+#import faceoff::paces::paces
 #import faceoff::solver_math::finite_vector
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -66,11 +67,12 @@ fn classify(pair: s::SolverPair) -> Overlap {
 
 // Whether some point is deep and the pair's motion does not explain its depth.
 fn exceeds_motion(pair: s::SolverPair) -> bool {
+    let dt = paces[pair.pace].dt;
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         let point = contact_points[k];
         let depth = -point.separation;
         let speed = max(dot(pair.approach_velocity, point.normal), 0.0) + pair.surface_speed;
-        if depth > collision_substep.deep_penetration * pair.diameter && depth > SAFETY * speed * collision_substep.dt {
+        if depth > collision_substep.deep_penetration * pair.diameter && depth > SAFETY * speed * dt {
             return true;
         }
     }

@@ -20,6 +20,9 @@ struct Pass {
     h: f32,
     // Bias velocity per metre of overlap, 1/s.
     bias_rate: f32,
+    // The softness of the contact spring.
+    mass_scale: f32,
+    impulse_scale: f32,
     purpose: u32,
     // m/s.
     convergence_speed: f32,
@@ -82,7 +85,7 @@ fn bias_of(pair: s::SolverPair, k: u32, parameters: Pass) -> Bias {
         return Bias(max(spring_speed, -collision_substep.deep_depenetration_speed), 1.0, 0.0);
     }
     let speed = max(spring_speed, -collision_substep.max_depenetration_speed);
-    return Bias(speed, collision_substep.mass_scale, collision_substep.impulse_scale);
+    return Bias(speed, parameters.mass_scale, parameters.impulse_scale);
 }
 
 // Sets what passes over a pair aim at, after separations and effective masses have changed. `begin_substep` has set the

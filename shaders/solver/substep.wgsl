@@ -13,6 +13,7 @@
 #import faceoff::dispatch::group_index
 #import faceoff::load::{compression, substep_factor}
 #import faceoff::motion as m
+#import faceoff::paces::{pace_of, paces}
 #import faceoff::points::{begin_substep, update_points}
 #import faceoff::restitution::{end_impacts, find_impacts}
 #import faceoff::solve as v
@@ -42,6 +43,7 @@ var<workgroup> result: vec2<f32>;
 // What all threads know of their island.
 struct SolvedIsland {
     range: s::IslandRange,
+    pace: s::Pace,
     // Number of points.
     points: u32,
 }
@@ -72,6 +74,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     workgroupBarrier();
 #endif
+    island.pace = paces[longest_pace(thread, island.range)];
     // The zeroth substep only updates the points.
     var factor = 1u;
     var last = 0u;
@@ -81,12 +84,21 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if number == 0u {
             island.points = max(u32(all.y), 1u);
             factor = substep_factor(all.x, island.points);
-            last = factor * collision_substep.substeps;
+            last = factor * island.pace.substeps;
             scale_impulses(thread, island, 1.0 / f32(factor));
         }
     }
     // The saved impulses are those of a substep of the common length.
     scale_impulses(thread, island, f32(factor));
+}
+
+// The smallest number of a pace of all pairs: that of the longest collision substep.
+fn longest_pace(thread: u32, range: s::IslandRange) -> u32 {
+    var least = 0xffffu;
+    for (var k = range.first + thread; k < range.end; k += THREADS) {
+        least = min(least, solver_pairs[island_pairs[k].pair].pace);
+    }
+    return 0xffffu - u32(reduced(thread, vec2(f32(0xffffu - least), 0.0)).x);
 }
 
 // The largest compression of the pairs of a thread and their number of points, if `needed`. Sums of floats are exact up
@@ -95,7 +107,7 @@ fn measure(thread: u32, island: SolvedIsland, needed: bool) -> vec2<f32> {
     var own = vec2(0.0);
     for (var k = island.range.first + thread; needed && k < island.range.end; k += THREADS) {
         let pair = solver_pairs[island_pairs[k].pair];
-        own = vec2(max(own.x, compression(pair)), own.y + f32(pair.count));
+        own = vec2(max(own.x, compression(pair, island.pace)), own.y + f32(pair.count));
     }
     return own;
 }
@@ -220,13 +232,13 @@ fn scale_impulses(thread: u32, island: SolvedIsland, factor: f32) {
 // for: compilers put all functions in place.
 fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
     let range = island.range;
-    let h = collision_substep.h / f32(factor);
+    let h = island.pace.h / f32(factor);
     let is_first = number == 0u;
     let last = select(v::RESTITUTION, v::RELAX, is_first);
     for (var purpose = select(v::BIAS, v::RELAX, is_first); purpose <= last; purpose += 1u) {
         for (var k = range.first + thread; k < range.end; k += THREADS) {
             if !is_first && purpose != v::RESTITUTION {
-                integrate_bodies(k, purpose, h);
+                integrate_bodies(k, purpose, h, island.pace.dt);
             }
         }
         storageBarrier();
@@ -254,8 +266,15 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
             end_color();
         }
         // The rate of the spring is proportional to that of the substeps.
-        let bias_rate = collision_substep.bias_rate * (collision_substep.h / h);
-        var parameters = v::Pass(h, bias_rate, purpose, collision_substep.convergence_speed);
+        let bias_rate = island.pace.bias_rate * (island.pace.h / h);
+        var parameters = v::Pass(
+            h,
+            bias_rate,
+            island.pace.mass_scale,
+            island.pace.impulse_scale,
+            purpose,
+            collision_substep.convergence_speed,
+        );
         var least = collision_substep.bias_iterations;
         if purpose == v::RELAX {
             least = collision_substep.relax_iterations;
@@ -289,8 +308,9 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
     storageBarrier();
 }
 
-// Integrates the velocities of the bodies that a pair owns, or their poses.
-fn integrate_bodies(k: u32, purpose: u32, h: f32) {
+// Integrates the velocities of the bodies that a pair owns, or their poses. `h` is the length of a substep of the island,
+// and `dt` that of its collision substep. A body with another one moves in as many substeps.
+fn integrate_bodies(k: u32, purpose: u32, h: f32, dt: f32) {
     let pair = solver_pairs[island_pairs[k].pair];
     for (var side = 0u; side < 2u; side += 1u) {
         if (island_pairs[k].flags & (s::OWNS_FIRST << side)) == 0u {
@@ -299,13 +319,14 @@ fn integrate_bodies(k: u32, purpose: u32, h: f32) {
         let i = select(pair.a, pair.b, side == 1u);
         var state = body_states[i];
         let constants = body_constants[i];
+        let own_h = h * (pace_of(constants.flags).dt / dt);
         if purpose == v::BIAS {
             // Bodies in no island move freely; see `finish.wgsl`.
             state.mass.flags |= s::SOLVED;
-            state.velocity = m::with_integrated_velocity(state.velocity, state.mass, constants, h);
+            state.velocity = m::with_integrated_velocity(state.velocity, state.mass, constants, own_h);
             state.initial_velocity = state.velocity;
         } else {
-            m::integrate_pose(constants, &state, h);
+            m::integrate_pose(constants, &state, own_h);
         }
         body_states[i] = state;
     }

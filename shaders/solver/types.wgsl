@@ -7,20 +7,14 @@
 // Parameters of a collision substep. `SolverSettings` explains those without a comment.
 struct CollisionSubstep {
     gravity: vec3<f32>,
-    // Length of a substep, seconds.
-    h: f32,
+    // Number of paces; 0 if nothing is solved.
+    paces: u32,
     bodies: u32,
     // Number of bodies, with half-spaces, in the last collision substep.
     old_bodies: u32,
     // Lengths of the solver's lists.
     pair_capacity: u32,
     point_capacity: u32,
-    // The contact spring.
-    bias_rate: f32,
-    mass_scale: f32,
-    impulse_scale: f32,
-    // Its acceleration per metre, 1/s^2.
-    stiffness: f32,
     max_depenetration_speed: f32,
     deep_depenetration_speed: f32,
     deep_penetration: f32,
@@ -29,27 +23,31 @@ struct CollisionSubstep {
     match_distance: f32,
     match_normal: f32,
     convergence_speed: f32,
-    substeps: u32,
     bias_iterations: u32,
     relax_iterations: u32,
     restitution_iterations: u32,
     max_iterations: u32,
-    // Length of the collision substep, seconds.
-    dt: f32,
     sleep_speed: f32,
     sleep_time: f32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
-// What depends on the number of collision substeps: fields of `CollisionSubstep` and of `Step`.
+// How a body passes through a step that has so many collision substeps for it.
 struct Pace {
+    // Length of a substep, seconds.
     h: f32,
+    // Length of a collision substep, seconds.
     dt: f32,
-    speculative_time: f32,
+    // Number of substeps in it.
     substeps: u32,
+    // The contact spring.
     bias_rate: f32,
     mass_scale: f32,
     impulse_scale: f32,
+    // Its acceleration per metre, 1/s^2.
     stiffness: f32,
+    padding: u32,
 }
 
 // Properties of a collider and its body, constant within a step. A body has the number of its first collider.
@@ -138,7 +136,7 @@ struct BodyConstants {
     padding_b: f32,
 }
 
-// It is not static, not asleep, and its motion is finite.
+// It is neither static nor asleep, its motion is finite, and it has not completed its step.
 const MOVES: u32 = 1u;
 // Impulses change its velocity.
 const HAS_MASS: u32 = 2u;
@@ -151,6 +149,10 @@ const LOCKED: u32 = 8u;
 
 // An island solves it.
 const SOLVED: u32 = 16u;
+// It is static or has completed its step.
+const COMPLETED: u32 = 32u;
+// First bit of the number of its pace.
+const PACE_SHIFT: u32 = 16u;
 
 // Velocity in world axes, m/s and rad/s.
 struct Velocity {
@@ -221,8 +223,10 @@ struct SolverPair {
     mass_ratio: f32,
     // Pairs of one island with the same colour have no body in common that impulses move.
     color: u32,
-    padding_a: u32,
-    padding_b: u32,
+    // The number of its pace.
+    pace: u32,
+    // Length of the substeps in which its impulses act, seconds.
+    substep: f32,
 }
 
 // Its numbers are valid. Its impulses are saved even if it is frozen.
@@ -236,6 +240,8 @@ const DEPENETRATING: u32 = 8u;
 const SWAPPED: u32 = 16u;
 const FIRST_HAS_MASS: u32 = 32u;
 const SECOND_HAS_MASS: u32 = 64u;
+// Neither body moves: the pair keeps its impulses.
+const KEPT: u32 = 128u;
 
 const NOT_SAVED: u32 = 0xffffffffu;
 
@@ -298,7 +304,7 @@ struct PointState {
     change: vec3<f32>,
     // The normal velocity before the impulses of this substep, m/s.
     impact_velocity: f32,
-    // The direction in which they are extrapolated.
+    // The direction in which they are extrapolated. If the pair is `KEPT`, the friction impulse in world axes.
     search: vec3<f32>,
     padding: f32,
     normal_row: Row,
@@ -332,6 +338,11 @@ struct SavedPair {
     // From each body's axes to the world's.
     rotation_a: vec4<f32>,
     rotation_b: vec4<f32>,
+    // Length of the substeps in which its impulses acted, seconds.
+    substep: f32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // A point as it is saved for the next collision substep, in world axes.

@@ -27,6 +27,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (pair.flags & s::VALID) == 0u {
         return;
     }
+    if (pair.flags & s::KEPT) != 0u {
+        keep(i, pair);
+        return;
+    }
     let overlap = o::classify(pair);
     if overlap.kind == o::DEEP && (pair.flags & s::FROZEN) == 0u {
         solver_pairs[i].flags |= s::DEPENETRATING;
@@ -45,6 +49,25 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         solver_pairs[i].separating_direction = overlap.direction;
     }
     fill(pair);
+}
+
+// Takes over all that is saved of a pair.
+fn keep(i: u32, pair: s::SolverPair) {
+    let saved_pair = saved_pairs[pair.saved_pair];
+    let swapped = (pair.flags & s::SWAPPED) != 0u;
+    solver_pairs[i].separating_direction = o::saved_separating_direction(pair);
+    solver_pairs[i].flags |= select(0u, s::DEPENETRATING, saved_pair.depenetrating != 0u);
+    for (var j = 0u; j < pair.count; j += 1u) {
+        let saved = saved_points[saved_pair.first + j];
+        let k = pair.first + j;
+        point_constants[k].anchor_a = select(saved.anchor_a, saved.anchor_b, swapped);
+        point_constants[k].anchor_b = select(saved.anchor_b, saved.anchor_a, swapped);
+        point_states[k].normal = o::saved_sign(pair) * saved.normal;
+        point_states[k].flags = s::POINT_VALID;
+        point_states[k].normal_impulse = saved.normal_impulse;
+        point_states[k].total_normal_impulse = -saved.normal_impulse;
+        point_states[k].search = o::saved_sign(pair) * saved.friction_impulse;
+    }
 }
 
 fn default_constants() -> s::PointConstants {
@@ -100,9 +123,9 @@ fn find_impulses(pair: s::SolverPair) {
         back_a = compose(first, conjugate(body_constants[pair.a].initial_rotation));
         back_b = compose(second, conjugate(body_constants[pair.b].initial_rotation));
     }
-    let substep = bitcast<f32>(solver_counters[s::SAVED_SUBSTEP]);
     // The impulse that supports a weight is proportional to the length of the substep.
-    let impulse_scale = select(1.0, min(collision_substep.h / max(substep, 1.0e-30), MAX_IMPULSE_SCALE), substep > 0.0);
+    let ratio = pair.substep / max(saved_pair.substep, 1.0e-30);
+    let impulse_scale = select(1.0, min(ratio, MAX_IMPULSE_SCALE), saved_pair.substep > 0.0);
     let match_distance = collision_substep.match_distance * pair.diameter;
     // One bit for each saved point that is used.
     var used_points = vec2(0u);

@@ -29,6 +29,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         saved_pair.rotation_b = body_constants[pair.b].initial_rotation;
     }
     saved_pair.separating_direction = pair.separating_direction;
+    saved_pair.substep = pair.substep;
     saved_pair.depenetrating = u32((pair.flags & s::DEPENETRATING) != 0u);
     saved_pairs[i] = saved_pair;
     for (var k = pair.first; k < pair.first + saved_pair.count; k += 1u) {
@@ -41,6 +42,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let second_tangent = cross(point.normal, first_tangent);
         saved_point.friction_impulse =
             first_tangent * point.friction_impulse.x + second_tangent * point.friction_impulse.y;
+        if (pair.flags & s::KEPT) != 0u {
+            // To the bit: the tangents would round it.
+            saved_point.friction_impulse = point.search;
+        }
         // A point with restitution separates: the impulse of its impact must not be applied again.
         if (point.flags & (s::POINT_VALID | s::BOUNCED)) == s::POINT_VALID {
             saved_point.normal_impulse = point.normal_impulse;

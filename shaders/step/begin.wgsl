@@ -5,6 +5,7 @@
 #import faceoff::carried::carry_over
 #import faceoff::dispatch::group_index
 #import faceoff::margins::{with_rounded_center, with_speculative_radius}
+#import faceoff::paces::NO_PACE
 #import faceoff::solver_types as s
 #import faceoff::start::state_at_start
 #import faceoff::types as t
@@ -16,6 +17,7 @@
 @group(0) @binding(5) var<storage, read> host_states: array<s::MotionState>;
 @group(0) @binding(6) var<storage, read_write> bodies: array<t::Body>;
 @group(0) @binding(7) var<storage, read_write> motion_states: array<s::MotionState>;
+@group(0) @binding(8) var<storage, read_write> body_paces: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -25,8 +27,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     if i >= step.bodies {
         motion_states[i] = host_states[i];
+        body_paces[i] = NO_PACE;
         return;
     }
+    // If there may be several collision substeps, `schedule.wgsl` sets it again.
+    body_paces[i] = select(0u, NO_PACE, (bodies[i].flags & t::KIND_MASK) == t::STATIC);
     if (bodies[i].flags & t::PART) != 0u {
         return;
     }

@@ -2,8 +2,9 @@
 // per compound.
 #import faceoff::compound::{CompoundMotion, offset_of, placed_part}
 #import faceoff::dispatch::group_index
-#import faceoff::margins::with_speculative_radius
+#import faceoff::paces::NO_PACE
 #import faceoff::placed::rotation_of
+#import faceoff::scheduled::{after_substep, has_completed}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -13,6 +14,8 @@
 @group(0) @binding(3) var<storage, read> parts: array<t::Part>;
 @group(0) @binding(4) var<storage, read_write> bodies: array<t::Body>;
 @group(0) @binding(5) var<storage, read_write> body_contacts: array<t::BodyContacts>;
+@group(0) @binding(6) var<storage, read> tally: array<u32>;
+@group(0) @binding(7) var<storage, read_write> body_paces: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -22,6 +25,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let compound = compounds[number];
     let state = motion_states[compound.collider];
+    let completed = has_completed(body_paces[compound.collider], tally[t::COLLISION_SUBSTEPS]);
     let motion = CompoundMotion(
         state.center, state.center_low, rotation_of(state), state.linear_velocity, state.angular_velocity
     );
@@ -29,9 +33,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let part = parts[k];
         let i = part.collider;
         var body = placed_part(bodies[i], part, motion);
-        body.inactive &= u32(state.asleep != 0u);
         body.source = i;
-        bodies[i] = with_speculative_radius(step, body);
+        bodies[i] = after_substep(step, body, state.asleep != 0u, completed);
+        if completed {
+            body_paces[i] = NO_PACE;
+        }
         let offset = offset_of(part, motion);
         body_contacts[i].offset_x = offset.x;
         body_contacts[i].offset_y = offset.y;

@@ -33,7 +33,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (body.flags & t::KIND_MASK) != t::STATIC {
         let time = SAFETY * step.dt;
         travel = time * body.linear_velocity;
-        margin += time * (sway(step, body) + bend(i, body));
+        margin += time * (sway(step, body, step.dt) + bend(i, body));
         speed = length(body.linear_velocity - step.drift) * time;
     }
     sweeps[i] = t::Sweep(center_of(body, meshes[body.mesh].center), body.radius + margin, travel, body.flags);
@@ -43,6 +43,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         atomicStore(&meetings[i].highest[axis], 0u);
         atomicStore(&meetings[i].highest_negated[axis], 0u);
     }
+    atomicStore(&meetings[i].substeps, 1u);
     atomicStore(&meetings[i].exists, 0u);
     atomicStore(&meetings[i].spin, 0u);
     atomicStore(&meetings[i].thinnest, bitcast<u32>(s::INFINITE_LENGTH));

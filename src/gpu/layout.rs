@@ -69,7 +69,7 @@ layout! {
         gravity: Vec3, dt: f32,
         bodies: u32, planes: u32, bucket_mask: u32, response: u32,
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
-        contact_margin: f32, speculative_time: f32, planes_changed: u32, compounds: u32,
+        contact_margin: f32, travel_scale: f32, planes_changed: u32, compounds: u32,
         drift: Vec3, has_fast_bodies: u32,
         hit_limit: u32, same_numbers: u32, piece_capacity: u32, is_over: u32,
     }
@@ -84,6 +84,7 @@ layout! {
         inverse_inertia_off_diagonal: Vec3, flags: u32,
         memberships: u32, filters: u32, source: u32, carried: u32,
         speculative_radius: f32, thickness: f32, inactive: u32, body: u32,
+        travel_time: f32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// A moving body whose colliders are placed in it.
     Compound {
@@ -124,7 +125,8 @@ layout! {
     Meeting {
         highest: [u32; 3], exists: u32,
         highest_negated: [u32; 3], spin: u32,
-        thinnest: u32, padding_a: u32, padding_b: u32, padding_c: u32,
+        high: [u32; 3], thinnest: u32,
+        high_negated: [u32; 3], substeps: u32,
     }
     /// How a step is divided into collision substeps.
     Division {
@@ -443,5 +445,8 @@ constants! {
     u32 LAST_CONTACT_POINTS = 38;
     u32 LAST_SPHERE_PAIRS = 39;
     u32 LAST_APPROXIMATE = 40;
+    /// Colliders that are not static, and the sum of their numbers of collision substeps, if these are counted.
+    u32 SCHEDULED_BODIES = 41;
+    u32 SCHEDULED_SUBSTEPS = 42;
     u32 TALLIES = 44;
 }

@@ -91,8 +91,9 @@
 //! stages, and writes the results back. With [`Response::Contacts`](crate::types::settings::Response) it is divided
 //! into 1 to 8 *collision substeps*: as many as it takes that no two surfaces move by more than a quarter of the thinnest
 //! body between two searches for contacts, as far as 8 suffice. Only relative motion counts, and only that of bodies that
-//! can meet in the step. On the CPU each group of such bodies has its own number, and pairs that overlap deeply keep their
-//! contact points until they have moved twice as far.
+//! can meet in the step. Each group of such bodies has its own number; a body that has completed its step waits for the
+//! others, with its contact points. On the CPU pairs that overlap deeply keep their contact points until they have moved
+//! twice as far.
 //!
 //! ## BroadPhase: a grid
 //!
@@ -217,7 +218,7 @@
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
 //! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same device |
-//! | collision substeps | each group of bodies that can meet has its own number | all bodies have the largest number of a group |
+//! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, all bodies have the largest number |
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
 //! A step on a GPU is one submission, for any number of collision substeps. The device counts those that the step needs, but

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 /// Impulses within a group change velocities by at most this multiple of the group's relative speed: a light body that
 /// a heavy one hits leaves with twice its speed.
-const MAX_SPEED_GAIN: f32 = 2.0;
+pub(super) const MAX_SPEED_GAIN: f32 = 2.0;
 /// After so many comparisons of territories all groups are joined: more would take longer than the collision substeps
 /// that they save.
 const MAX_COMPARISONS: usize = 1 << 17;

@@ -45,6 +45,8 @@ buffers! {
         solver_bodies: ARRAY layout::SolverBody, capacity.bodies, "solver bodies";
         motion_states: ARRAY layout::MotionState, capacity.bodies, "motion states";
         forces: ARRAY layout::BodyForces, capacity.bodies, "forces";
+        /// All have the first one.
+        body_paces: ARRAY u32, capacity.bodies, "paces of bodies";
         new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies";
         contact_pairs: ARRAY ContactPair, capacity.pairs, "contact pairs";
         contact_points: ARRAY ContactPoint, capacity.points, "contact points";
@@ -239,10 +241,12 @@ impl GpuSolver {
         let may_sleep = settings.sleeping;
         let packed = upload::collision_substep(
             settings,
-            collision_substep,
+            collision_substep.gravity,
+            1,
             [self.bodies, self.old_bodies],
             self.lists.capacity,
         );
+        let pace = upload::pace(settings, collision_substep.pace());
         let Self {
             gpu,
             handed,
@@ -262,6 +266,7 @@ impl GpuSolver {
             });
             gpu.queue
                 .write_buffer(&lists.collision_substep, 0, bytemuck::bytes_of(&packed));
+            gpu.queue.write_buffer(&lists.paces, 0, bytemuck::bytes_of(&pace));
             gpu.queue.write_buffer(&handed.status, 0, &[0; 16]);
             let mut commands = Commands::new(gpu, "test");
             program.record(STAGE, &mut commands, packed.bodies.into(), None);

@@ -6,12 +6,12 @@ use bevy_faceoff::state::Body;
 use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
-/// A pile of tori on a floor. With `distant`, balls at 60 m/s hit a thin plate 200 m away, one every half second.
-fn pile(distant: bool) -> World {
+/// A pile of so many tori on a floor. With `distant`, balls at 60 m/s hit a thin plate 200 m away, one every half second.
+fn pile(tori: usize, distant: bool) -> World {
     let mut world = World::new();
     let (torus, cube) = (world.mesh(&shapes::torus_240()), world.mesh(&shapes::cube(1.0)));
     world.floor(cube);
-    for i in 0..12 {
+    for i in 0..tori {
         let turn = Quat::from_rotation_x(0.3 * i as f32);
         let at = Vec3::new(0.2 * (i % 3) as f32, 1.2 + 1.3 * i as f32, 0.0);
         world.add(RigidBody::Dynamic, torus, Vec3::ONE, at, turn);
@@ -36,12 +36,17 @@ fn pile(distant: bool) -> World {
 
 #[test]
 fn an_impact_far_away_changes_nothing() {
-    let (mut alone, mut beside) = (pile(false), pile(true));
+    far_impact(12, 160);
+}
+
+/// A pile of so many tori, with and without an impact far away, for so many steps.
+pub fn far_impact(tori: usize, steps: usize) {
+    let (mut alone, mut beside) = (pile(tori, false), pile(tori, true));
     let mut had_own_pace = false;
-    for step in 0..160 {
+    for step in 0..steps {
         alone.step();
         beside.step();
-        for i in 0..13 {
+        for i in 0..=tori {
             assert_eq!(alone.center(i), beside.center(i), "step {step}, body {i}");
             assert_eq!(alone.velocity(i), beside.velocity(i), "step {step}, body {i}");
         }
@@ -49,13 +54,17 @@ fn an_impact_far_away_changes_nothing() {
         had_own_pace |= own < all && beside.state.results.mean_collision_substeps < all as f32;
     }
     assert!(had_own_pace, "the impacts need more collision substeps than the pile");
-    let plate = beside.velocity(13);
+    let plate = beside.velocity(tori + 1);
     assert!(plate.x < -0.1, "the plate was hit: {plate}");
 }
 
-/// A ball hits a rack. The balls that leave it hit others that were out of reach at the start of the step.
 #[test]
 fn billiard_balls_pass_on_their_momentum() {
+    billiards();
+}
+
+/// A ball hits a rack. The balls that leave it hit others that were out of reach at the start of the step.
+pub fn billiards() {
     let mut world = World::weightless();
     let radius = 0.03f32;
     let ball = world.mesh(&shapes::ball(radius.into(), 3));
@@ -101,10 +110,14 @@ fn billiard_balls_pass_on_their_momentum() {
     assert!(deepest < 0.5 * radius, "{deepest}");
 }
 
-/// A thin plate that turns fast beside a ball needs more collision substeps than the rest of a formation in flight. All
-/// keep their places.
 #[test]
 fn a_formation_with_a_fast_spinner_stays_together() {
+    spinner();
+}
+
+/// A thin plate that turns fast beside a ball needs more collision substeps than the rest of a formation in flight. All
+/// keep their places.
+pub fn spinner() {
     let mut world = World::weightless();
     let (ball, cube) = (world.mesh(&shapes::ball(0.25, 3)), world.mesh(&shapes::cube(1.0)));
     let velocity = Vec3::X * 100.0;

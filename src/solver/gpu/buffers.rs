@@ -3,6 +3,7 @@
 use super::layout::*;
 use crate::gpu::buffers::{buffers, grow};
 use crate::gpu::radix_sort::{self, DIGITS};
+use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
 /// Capacity of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +38,8 @@ buffers! {
     SolverBuffers(SolverCapacity), |capacity| {
         /// Parameters.
         collision_substep: UNIFORM CollisionSubstep, 1u32, "collision substep";
+        /// Of bodies with one collision substep in the step, with two, and so on.
+        paces: UNIFORM Pace, MAX_COLLISION_SUBSTEPS, "paces";
         solver_counters: ARRAY u32, COUNTERS, "solver counters";
         body_constants: ARRAY BodyConstants, capacity.bodies, "body constants";
         body_states: ARRAY BodyState, capacity.bodies, "body states";

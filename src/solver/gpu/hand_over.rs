@@ -6,14 +6,12 @@ use crate::state::Manifolds;
 use glam::{Quat, Vec3};
 
 impl WarmStart {
-    /// The saved pairs and points for a device, with impulses for substeps of [`WarmStart::substep`]. There is one pair
-    /// for each of `manifolds`, with the same points. `key_of` gives the key of a body by its number.
+    /// The saved pairs and points for a device. There is one pair for each of `manifolds`, with the same points. `key_of` gives the key of a body by its number.
     pub(crate) fn to_device(
         &self,
         manifolds: &Manifolds,
         key_of: impl Fn(u32) -> u64,
     ) -> (Vec<layout::SavedPair>, Vec<layout::SavedPoint>) {
-        let substep = self.substep();
         let mut points = vec![layout::SavedPoint::default(); manifolds.points.len()];
         let pairs = manifolds.pairs.iter().map(|manifold| {
             let [a, b] = manifold.bodies;
@@ -30,10 +28,11 @@ impl WarmStart {
                 saved.count = manifold.point_count;
                 saved.separating_direction = last.pair.separating_direction.to_array();
                 saved.depenetrating = u32::from(last.pair.depenetrating);
+                saved.substep = last.pair.substep;
                 [saved.rotation_a, saved.rotation_b] = last.pair.rotations.map(|rotation| rotation.to_array());
                 let range = manifold.first_point as usize..(manifold.first_point + manifold.point_count) as usize;
                 for (to, from) in points[range].iter_mut().zip(last.points) {
-                    *to = from.scaled(substep / last.pair.substep).into();
+                    *to = (*from).into();
                 }
             }
             saved
@@ -41,12 +40,10 @@ impl WarmStart {
         (pairs.collect(), points)
     }
 
-    /// The impulses that a device has saved. `substep` is the length of its solver substeps, seconds, and `key_of` gives
-    /// the key of a body by its number.
+    /// The impulses that a device has saved. `key_of` gives the key of a body by its number.
     pub(crate) fn from_device(
         pairs: &[layout::SavedPair],
         points: &[layout::SavedPoint],
-        substep: f32,
         key_of: impl Fn(u32) -> Option<u64>,
     ) -> Self {
         let exist = |pair: &&layout::SavedPair| pair.count > 0 && (pair.first + pair.count) as usize <= points.len();
@@ -59,7 +56,7 @@ impl WarmStart {
                     keys: sorted(keys),
                     first: pair.first,
                     count: pair.count,
-                    substep,
+                    substep: pair.substep,
                     flipped: sorted(keys) != keys,
                     depenetrating: pair.depenetrating != 0,
                     separating_direction: pair.separating_direction.into(),
@@ -71,21 +68,6 @@ impl WarmStart {
         Self {
             pairs,
             points: points.iter().map(SavedPoint::from).collect(),
-        }
-    }
-
-    /// The longest solver substep in which any of the impulses acted, seconds; 0 if there are none.
-    pub(crate) fn substep(&self) -> f32 {
-        self.pairs.iter().map(|pair| pair.substep).fold(0.0, f32::max)
-    }
-}
-
-impl SavedPoint {
-    fn scaled(&self, factor: f32) -> Self {
-        Self {
-            normal_impulse: factor * self.normal_impulse,
-            friction_impulse: factor * self.friction_impulse,
-            ..*self
         }
     }
 }

@@ -10,18 +10,17 @@ type Quat = [f32; 4];
 layout! {
     /// Parameters of a collision substep.
     CollisionSubstep {
-        gravity: Vec3, h: f32,
+        gravity: Vec3, paces: u32,
         bodies: u32, old_bodies: u32, pair_capacity: u32, point_capacity: u32,
-        bias_rate: f32, mass_scale: f32, impulse_scale: f32, stiffness: f32,
         max_depenetration_speed: f32, deep_depenetration_speed: f32, deep_penetration: f32, rest_offset: f32,
         restitution_threshold: f32, match_distance: f32, match_normal: f32, convergence_speed: f32,
-        substeps: u32, bias_iterations: u32, relax_iterations: u32, restitution_iterations: u32,
-        max_iterations: u32, dt: f32, sleep_speed: f32, sleep_time: f32,
+        bias_iterations: u32, relax_iterations: u32, restitution_iterations: u32, max_iterations: u32,
+        sleep_speed: f32, sleep_time: f32, padding_a: u32, padding_b: u32,
     }
-    /// What depends on the number of collision substeps.
+    /// How a body passes through a step that has so many collision substeps for it.
     Pace {
-        h: f32, dt: f32, speculative_time: f32, substeps: u32,
-        bias_rate: f32, mass_scale: f32, impulse_scale: f32, stiffness: f32,
+        h: f32, dt: f32, substeps: u32, bias_rate: f32,
+        mass_scale: f32, impulse_scale: f32, stiffness: f32, padding: u32,
     }
     /// Properties of a body, constant within a step.
     SolverBody {
@@ -91,7 +90,7 @@ layout! {
         approach_velocity: Vec3, surface_speed: f32,
         offset_a: Vec3, collider_a: u32,
         offset_b: Vec3, collider_b: u32,
-        mass_ratio: f32, color: u32, padding_a: u32, padding_b: u32,
+        mass_ratio: f32, color: u32, pace: u32, substep: f32,
     }
     /// What is constant about a point during a collision substep.
     PointConstants {
@@ -127,6 +126,7 @@ layout! {
         separating_direction: Vec3, depenetrating: u32,
         rotation_a: Quat,
         rotation_b: Quat,
+        substep: f32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// A point as it is saved for the next collision substep.
     SavedPoint {
@@ -169,15 +169,12 @@ constants! {
     /// Not 0: a list was too short, and nothing was solved.
     u32 SKIPPED = 3;
     u32 SAVED_PAIRS = 4;
-    /// Length of a solver substep: the bits of the float.
-    u32 SUBSTEP = 5;
-    u32 SAVED_SUBSTEP = 6;
     /// The number found, even if the list is shorter.
-    u32 PAIRS_FOUND = 7;
-    u32 POINTS_FOUND = 8;
-    u32 SMALL_ISLANDS = 9;
-    u32 LARGE_ISLANDS = 10;
-    u32 COUNTERS = 16;
+    u32 PAIRS_FOUND = 5;
+    u32 POINTS_FOUND = 6;
+    u32 SMALL_ISLANDS = 7;
+    u32 LARGE_ISLANDS = 8;
+    u32 COUNTERS = 12;
 
     // Slots of `solver_arguments`.
     u32 GROUPS_PER_64_PAIRS = 0;

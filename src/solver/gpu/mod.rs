@@ -31,7 +31,9 @@
 //!
 //! Input buffers: `solver_bodies`, `motion_states` and `forces` hold the bodies, followed by the half-spaces. Impulses
 //! in `forces` are cleared. `new_numbers` maps the numbers that bodies had in the last collision substep to those of
-//! this one; `u32::MAX` marks bodies that are gone. `contact_pairs` holds the touching pairs in ascending order,
+//! this one; `u32::MAX` marks bodies that are gone. `body_paces` has the number of each body's pace among `paces`, or
+//! `u32::MAX` if it is static or has completed its step: as on the CPU, each body has its own number of collision
+//! substeps, and a pair whose bodies do not move keeps its impulses. `contact_pairs` holds the touching pairs in ascending order,
 //! `contact_points` their points, and `contact_counters` the number of both. Nothing is solved if `status` says that an
 //! earlier list was too short.
 
@@ -48,6 +50,7 @@ pub use buffers::{SolverBuffers, SolverCapacity};
 
 use super::{body_constants, load, overlap, patch, restitution, solve, substep};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
+use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
 /// Points times passes of an island in one part of all substeps that heavy loads make of one.
 ///
@@ -75,6 +78,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 FLATNESS = patch::FLATNESS;
     f32 INSIDE = patch::INSIDE;
     u32 MAX_PATCH_POINTS = patch::MAX_POINTS;
+    u32 MAX_COLLISION_SUBSTEPS = MAX_COLLISION_SUBSTEPS;
     f32 COARSE_DIGIT = upload::COARSE_DIGIT;
 });
 
@@ -85,6 +89,7 @@ pub const SHADERS: Shaders = Shaders {
         warm_start::CONSTANTS,
         module!("solver/types", layout::CONSTANTS),
         module!("solver/math"),
+        module!("solver/paces"),
         module!("solver/motion"),
         module!("solver/overlap"),
         module!("solver/patch"),

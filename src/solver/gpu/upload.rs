@@ -5,7 +5,7 @@ use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
 use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, FLAT_RADIUS, KINEMATIC, SENSOR, STATIC};
 use crate::manifolds::{Manifold, ManifoldPoint};
 use crate::solver::softness::Softness;
-use crate::solver::{CollisionSubstep, SleepState, SolverBodies, SolverBody, SolverMotion};
+use crate::solver::{Pace, SleepState, SolverBodies, SolverBody, SolverMotion};
 use crate::types::body::{ExternalForces, RigidBody};
 use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
@@ -18,34 +18,21 @@ const FASTEST: f32 = 1.0e18;
 /// The coarse parts of rotations, and of centres below one metre, are multiples of this.
 pub(super) const COARSE_DIGIT: f64 = 1.0 / (1 << 21) as f64;
 
-/// The parameters of a collision substep. `old_bodies` is the number of bodies in the last one.
+/// The parameters of a collision substep with this number of paces. `old_bodies` is the number of bodies in the last one.
 pub fn collision_substep(
     settings: &SolverSettings,
-    collision_substep: &CollisionSubstep,
+    gravity: Vec3,
+    paces: u32,
     [bodies, old_bodies]: [u32; 2],
     capacity: super::SolverCapacity,
 ) -> layout::CollisionSubstep {
-    let layout::Pace {
-        h,
-        dt,
-        substeps,
-        bias_rate,
-        mass_scale,
-        impulse_scale,
-        stiffness,
-        ..
-    } = pace(settings, collision_substep);
     layout::CollisionSubstep {
-        gravity: collision_substep.gravity.to_array(),
-        h,
+        gravity: gravity.to_array(),
+        paces,
         bodies,
         old_bodies,
         pair_capacity: capacity.pairs,
         point_capacity: capacity.points,
-        bias_rate,
-        mass_scale,
-        impulse_scale,
-        stiffness,
         max_depenetration_speed: settings.max_depenetration_speed,
         deep_depenetration_speed: settings.deep_depenetration_speed,
         deep_penetration: settings.deep_penetration,
@@ -54,26 +41,24 @@ pub fn collision_substep(
         match_distance: settings.match_distance,
         match_normal: settings.match_normal,
         convergence_speed: settings.convergence_speed,
-        substeps,
         bias_iterations: settings.bias_iterations,
         relax_iterations: settings.relax_iterations,
         restitution_iterations: settings.restitution_iterations,
         max_iterations: settings.max_iterations,
-        dt,
         sleep_speed: settings.sleep_speed,
         sleep_time: settings.sleep_time,
+        ..Default::default()
     }
 }
 
-/// What of them depends on the length of the collision substep.
-pub fn pace(settings: &SolverSettings, collision_substep: &CollisionSubstep) -> layout::Pace {
-    let substeps = collision_substep.substeps.max(1);
-    let h = collision_substep.dt / substeps as f32;
+/// A pace, with the contact spring of its substeps.
+pub fn pace(settings: &SolverSettings, pace: Pace) -> layout::Pace {
+    let h = pace.h();
     let softness = Softness::new(settings, h);
     layout::Pace {
         h,
-        dt: collision_substep.dt,
-        substeps,
+        dt: pace.dt,
+        substeps: pace.substeps,
         bias_rate: softness.bias_rate,
         mass_scale: softness.mass_scale,
         impulse_scale: softness.impulse_scale,

@@ -5,9 +5,8 @@ use crate::gpu::layout::{ContactPair, ContactPoint, Division, Meeting, Sweep, TA
 use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::gpu::SolverCapacity;
 use crate::solver::gpu::layout::{
-    BodyForces, COUNTERS, CollisionSubstep, MotionState, Pace, SLOTS, SavedPair, SavedPoint, SolverBody,
+    BodyForces, COUNTERS, CollisionSubstep, MotionState, SLOTS, SavedPair, SavedPoint, SolverBody,
 };
-use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 use wgpu::Buffer;
 
 /// Capacity of the lists.
@@ -98,8 +97,8 @@ buffers! {
         sent_forces: ARRAY BodyForces, capacity.solver().bodies, "forces as sent";
         /// How the step is divided into collision substeps.
         division: UNIFORM Division, 1u32, "division of the step";
-        /// The lengths of collision substeps, by their number.
-        paces: ARRAY Pace, MAX_COLLISION_SUBSTEPS, "lengths of collision substeps";
+        /// The number of the pace of each body; see the solver's `paces`.
+        body_paces: ARRAY u32, capacity.solver().bodies, "paces of bodies";
         /// What each collider sweeps over in the step.
         sweeps: ARRAY Sweep, capacity.solver().bodies, "sweeps";
         /// What can meet in each group of bodies.

@@ -79,8 +79,7 @@ impl FastBodies<'_> {
             return Ok(substeps);
         }
         let list_lengths = [counters[SPHERE_PAIRS as usize], found[CONTACT_PAIRS as usize]];
-        let dt = solver.dt(substeps);
-        let Some(mut excerpt) = self.read(list_lengths, dt, commands, buffers, contacts)? else {
+        let Some(mut excerpt) = self.read(list_lengths, solver, commands, buffers, contacts)? else {
             return Ok(substeps);
         };
         let Excerpt {
@@ -124,7 +123,7 @@ impl FastBodies<'_> {
     fn read(
         &self,
         [pair_count, touching_count]: [u32; 2],
-        dt: f32,
+        solver: &SolverInput,
         commands: &mut Commands,
         buffers: &Buffers,
         contacts: &ContactPrograms,
@@ -162,8 +161,12 @@ impl FastBodies<'_> {
         let mut ranges = points_read.ranges::<ContactPoint>(&points.contact_points);
         ranges.extend(bodies_read.ranges::<MotionState>(&step.earlier_states));
         ranges.extend(bodies_read.ranges::<MotionState>(&step.motion_states));
+        ranges.extend(bodies_read.ranges::<u32>(&step.body_paces));
         let read = commands.fetch(&ranges)?;
-        let (contact_points, states) = read.split_at(points_read.count() * size_of::<ContactPoint>());
+        let (contact_points, rest) = read.split_at(points_read.count() * size_of::<ContactPoint>());
+        let (states, paces) = rest.split_at(2 * bodies_read.count() * size_of::<MotionState>());
+        let paces: Vec<u32> = pod_collect_to_vec(paces);
+        let travel_time = |&number: &u32| solver.travel_time(paces[bodies_read.place_of(number)]);
         let contact_points: Vec<ContactPoint> = pod_collect_to_vec(contact_points);
         let states: Vec<MotionState> = pod_collect_to_vec(states);
         let [before, after] = [0, bodies_read.count()].map(|first| {
@@ -181,7 +184,8 @@ impl FastBodies<'_> {
             manifolds.end_pair([pair.a, pair.b].map(number_of), first);
         }
         manifolds.pairs.sort_unstable_by_key(|pair| pair.bodies);
-        let (bodies, solver_bodies) = self.placed(&colliders, dt, &before, &after);
+        let travel_times = colliders.iter().map(travel_time).collect();
+        let (bodies, solver_bodies) = self.placed(&colliders, travel_times, &before, &after);
         Ok(Some(Excerpt {
             pairs: pairs.iter().map(|pair| pair.map(number_of)).collect(),
             colliders,
@@ -192,16 +196,16 @@ impl FastBodies<'_> {
         }))
     }
 
-    /// These colliders where they are before a collision substep of `dt` seconds, and for the solver where they are after it.
+    /// These colliders where they are before a collision substep, and for the solver where they are after it.
     fn placed(
         &self,
         colliders: &[u32],
-        dt: f32,
+        travel_times: Vec<f32>,
         before: &[MotionState],
         after: &[MotionState],
     ) -> (Bodies, SolverBodies) {
         let mut bodies = self.0.bodies.excerpt(colliders);
-        bodies.travel_time.fill(dt);
+        bodies.travel_time = travel_times;
         let mut solver_bodies = SolverBodies::default();
         let keys: Vec<u64> = (0..colliders.len() as u64).collect();
         solver_bodies.read(&bodies, &[], &keys);

@@ -6,7 +6,7 @@ use super::remap::{LastBodies, LastCompound, LastPart};
 use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
 use crate::sleep::cpu::hash;
 use crate::sleep::inputs::PlacedSleepInputs;
-use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SUBSTEP, SavedPair, SavedPoint};
+use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SavedPair, SavedPoint};
 use crate::solver::gpu::upload;
 use crate::solver::{PLANE_KEY, SleepState, SolverMotion, WarmStart};
 use crate::state::bodies::Frame;
@@ -35,7 +35,6 @@ impl DeviceMemory {
         let mut counters = vec![0; COUNTERS as usize];
         counters[PAIRS as usize] = manifolds.pairs.len() as u32;
         counters[POINTS as usize] = manifolds.points.len() as u32;
-        counters[SUBSTEP as usize] = memory.warm.substep().to_bits();
         let (compounds, parts) = compounds(&memory.bodies);
         let rows = memory.bodies.iter();
         let compound_rows = compounds
@@ -110,7 +109,6 @@ impl DeviceMemory {
             }
         });
         let [pairs, points] = [PAIRS, POINTS].map(|counter| self.counters[counter as usize] as usize);
-        let substep = f32::from_bits(self.counters[SUBSTEP as usize]);
         let saved: (Vec<SavedPair>, Vec<SavedPoint>) = (list(&self.pairs), list(&self.points));
         let last: (Vec<ContactPair>, Vec<ContactPoint>) = (list(&self.last_pairs), list(&self.last_points));
         let memory = StepMemory {
@@ -118,7 +116,7 @@ impl DeviceMemory {
             bodies: bodies.collect(),
             planes: planes.clone(),
             gravity: *gravity,
-            warm: WarmStart::from_device(&saved.0[..pairs], &saved.1[..points], substep, key_of),
+            warm: WarmStart::from_device(&saved.0[..pairs], &saved.1[..points], key_of),
             left_out: Vec::new(),
         };
         let mut last_pairs: Vec<_> = last.0[..pairs].iter().map(Manifold::from).collect();

@@ -9,7 +9,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
 use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::manifolds::gpu::ContactCapacity;
-use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SUBSTEP, SavedPair, SavedPoint};
+use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SavedPair, SavedPoint};
 use bytemuck::cast_slice;
 use wgpu::Buffer;
 
@@ -44,7 +44,7 @@ impl DeviceMemory {
         let mut counters = read_words(gpu, &step.last_step_counters, COUNTERS as usize)?;
         // The others are of use within a collision substep only, and collision substeps without need change them.
         for (counter, value) in (0..).zip(&mut counters) {
-            if ![PAIRS, POINTS, SUBSTEP].contains(&counter) {
+            if ![PAIRS, POINTS].contains(&counter) {
                 *value = 0;
             }
         }

@@ -1,8 +1,9 @@
-//! How many collision substeps a step needs: as many as the bodies do that can meet in it. The device counts them, because
-//! it alone knows where the bodies are. All bodies pass through the step in the same number.
+//! How many collision substeps each body needs: as many as the bodies do that it can meet. The device counts them, because
+//! it alone knows where the bodies are. A body that has completed its step keeps its pose and its contact points while
+//! others go on. The twin of the CPU's `step/reach`, `step/territories` and `step/schedule`.
 //!
-//! The commands of a step are recorded before that is known, for a number that the last steps suggest. If the step needs
-//! more, it does nothing and is repeated, as if a list were too short; if it needs fewer, the last ones do nothing. So the
+//! The commands of a step are recorded before the largest number is known, for one that the last steps suggest. If the step
+//! needs more, it does nothing and is repeated, as if a list were too short; if it needs fewer, the last ones do nothing. So the
 //! results are the same for any number that suffices.
 
 use crate::broad_phase;
@@ -10,11 +11,12 @@ use crate::gpu::buffers::Capacity;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{Division, GROUPS_PER_64_PAIRS};
 use crate::gpu::program::{Calls, Groups};
+use crate::gpu::shader::{Module, shared_constants};
 use crate::solver::CollisionSubstep;
 use crate::solver::gpu::layout::Pace;
 use crate::solver::gpu::upload;
 use crate::state::StepConfig;
-use crate::state::margins::SAFETY;
+use crate::step::territories;
 use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
 /// Computes the spheres that bodies sweep over in the step.
@@ -27,10 +29,21 @@ pub(super) const GROUP_BODIES: Kernel = kernel!("step/group_bodies");
 pub(super) const GROUP_PAIRS: Kernel = kernel!("step/group_pairs");
 /// Counts the collision substeps that they need.
 pub(super) const COUNT_SUBSTEPS: Kernel = kernel!("step/count_substeps");
-/// Sets the length of a collision substep.
-pub(super) const PACE: Kernel = kernel!("step/pace");
-/// Computes the speculative radii for the first one.
-pub(super) const MARGINS: Kernel = kernel!("step/margins");
+/// Keeps groups with different numbers apart.
+pub(super) const TERRITORIES: Kernel = kernel!("step/territories");
+/// Gives each body its number.
+pub(super) const SCHEDULE: Kernel = kernel!("step/schedule");
+/// Begins a collision substep.
+pub(super) const BEGIN_SUBSTEP: Kernel = kernel!("step/begin_substep");
+
+/// After so many comparisons of a body with the territory of a group all bodies get the largest number: one workgroup compares
+/// them.
+const MAX_COMPARISONS: u32 = 1 << 22;
+
+pub(super) const CONSTANTS: Module = shared_constants!("faceoff::constants::reach", {
+    f32 MAX_SPEED_GAIN = territories::MAX_SPEED_GAIN;
+    u32 MAX_COMPARISONS = MAX_COMPARISONS;
+});
 
 /// Adds the calls that count the collision substeps, after the bodies are placed.
 pub(super) fn record(calls: &mut Calls, capacity: &Capacity) {
@@ -42,22 +55,15 @@ pub(super) fn record(calls: &mut Calls, capacity: &Capacity) {
     calls.call(&GROUP_BODIES, per_body);
     calls.call(&GROUP_PAIRS, per_pair);
     calls.call(&COUNT_SUBSTEPS, per_body);
-    calls.call(&PACE, Groups::Exactly(1));
-    calls.call(&MARGINS, per_body);
+    calls.call(&TERRITORIES, Groups::Exactly(1));
+    calls.call(&SCHEDULE, per_body);
+    calls.call(&BEGIN_SUBSTEP, Groups::Exactly(1));
 }
 
-/// The lengths of the collision substeps of a step that has 1, 2, ... of them.
-pub(super) fn paces(config: &StepConfig) -> Vec<Pace> {
-    (1..=most(config)).map(|count| pace(config, count)).collect()
-}
-
-/// The same of a step that has `count` of them.
-pub(super) fn pace(config: &StepConfig, count: u32) -> Pace {
-    let collision_substep = CollisionSubstep::of(config, count);
-    Pace {
-        speculative_time: SAFETY * collision_substep.dt,
-        ..upload::pace(&config.solver, &collision_substep)
-    }
+/// The paces of bodies with 1, 2, ... collision substeps in a step, of which no body needs more than `most`.
+pub(super) fn paces(config: &StepConfig, most: u32) -> Vec<Pace> {
+    let pace = |count| upload::pace(&config.solver, CollisionSubstep::of(config, count).pace());
+    (1..=most).map(pace).collect()
 }
 
 /// The rule for their number, for a step with commands for `recorded`.
@@ -70,7 +76,8 @@ pub(super) fn division(config: &StepConfig, recorded: u32) -> Division {
     }
 }
 
-fn most(config: &StepConfig) -> u32 {
+/// No body has more collision substeps.
+pub(super) fn most(config: &StepConfig) -> u32 {
     config.solver.max_collision_substeps.clamp(1, MAX_COLLISION_SUBSTEPS)
 }
 

@@ -39,7 +39,13 @@ const REMEMBER: Kernel = kernel!("step/remember");
 
 /// The modules and kernels of the step itself.
 pub const SHADERS: Shaders = Shaders {
-    modules: &[module!("step/placed"), module!("step/start"), module!("step/meeting")],
+    modules: &[
+        reach::CONSTANTS,
+        module!("step/placed"),
+        module!("step/start"),
+        module!("step/meeting"),
+        module!("step/scheduled"),
+    ],
     kernels: &[
         &BEGIN,
         &BEGIN_COMPOUNDS,
@@ -48,8 +54,9 @@ pub const SHADERS: Shaders = Shaders {
         &reach::GROUP_BODIES,
         &reach::GROUP_PAIRS,
         &reach::COUNT_SUBSTEPS,
-        &reach::PACE,
-        &reach::MARGINS,
+        &reach::TERRITORIES,
+        &reach::SCHEDULE,
+        &reach::BEGIN_SUBSTEP,
         &REUSE_CONTACT_POINTS,
         &OVERFLOW_LISTS,
         &MOVE_BODIES,
@@ -120,7 +127,7 @@ impl Recorder<'_> {
             Part::Begin => broad_phase::gpu::record_place(calls),
             Part::FindSpherePairs => {
                 if with_contacts && !place.is_first {
-                    calls.call(&reach::PACE, Groups::Exactly(1));
+                    calls.call(&reach::BEGIN_SUBSTEP, Groups::Exactly(1));
                 }
                 broad_phase::gpu::record_search(calls, self.capacity);
             }

@@ -10,8 +10,8 @@ use crate::gpu::commands::Commands;
 use crate::gpu::layout::{
     APPROXIMATE, ASLEEP, AWAKE, COUNTERS, ContactPair, ContactPoint, HITS, Hit, LAST_APPROXIMATE, LAST_CONTACT_PAIRS,
     LAST_CONTACT_POINTS, LAST_SPHERE_PAIRS, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEEDED_SUBSTEPS,
-    PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOTAL_NEAR_TRIANGLES, TOUCHES, TOUCHING,
-    TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
+    PLANE_CONTACTS, PlaneContact, SCHEDULED_BODIES, SCHEDULED_SUBSTEPS, SKIPPED, SPHERE_PAIRS, TALLIES,
+    TOTAL_NEAR_TRIANGLES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use crate::gpu::program::Population;
 use crate::gpu::timer::{self, Timer};
@@ -59,6 +59,8 @@ pub struct Output {
     pub near_triangles: usize,
     /// Number of collision substeps.
     pub collision_substeps: u32,
+    /// The mean number of the bodies that move.
+    pub mean_collision_substeps: f32,
     /// Speeds of bodies after the step, with [`Response::Contacts`].
     pub speeds: Speeds,
     /// With [`Response::Contacts`], whether all bodies slept from the beginning of the step to its end.
@@ -217,6 +219,15 @@ pub(super) struct Raw {
 }
 
 impl Raw {
+    fn mean_collision_substeps(&self) -> f32 {
+        let [bodies, substeps] = [SCHEDULED_BODIES, SCHEDULED_SUBSTEPS].map(|tally| self.tally[tally as usize]);
+        if bodies > 0 {
+            substeps as f32 / bodies as f32
+        } else {
+            self.counters[NEEDED_SUBSTEPS as usize] as f32
+        }
+    }
+
     /// Sorts the results, and converts numbers to those of the input.
     pub fn sort(mut self, input: &Input, impacts: &Impacts, timer: Option<&Timer>) -> Output {
         let count = |counter: u32| self.counters[counter as usize] as usize;
@@ -234,6 +245,7 @@ impl Raw {
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
             near_triangles: self.tally[TOTAL_NEAR_TRIANGLES as usize] as usize,
             collision_substeps: self.counters[NEEDED_SUBSTEPS as usize],
+            mean_collision_substeps: self.mean_collision_substeps(),
             speeds: speeds(&self.tally),
             // Of several collision substeps the tally knows the last one.
             rests: input.response == Response::Contacts
@@ -297,7 +309,7 @@ impl Output {
         results.manifolds = self.manifolds;
         results.asleep = self.asleep;
         results.collision_substeps = self.collision_substeps;
-        results.mean_collision_substeps = self.collision_substeps as f32;
+        results.mean_collision_substeps = self.mean_collision_substeps;
         results.times = self.times;
         results.gpu = Some(self.work);
         results.crowd = Default::default();

@@ -7,7 +7,7 @@ use crate::gpu::commands::Commands;
 use crate::gpu::known::Known;
 use crate::gpu::program::Population;
 use crate::sleep::cpu::hash;
-use crate::solver::gpu::{SolverCapacity, layout, upload};
+use crate::solver::gpu::{SolverBuffers, layout, upload};
 use crate::solver::speeds::Speeds;
 use crate::solver::{CollisionSubstep, SolverBodies};
 use crate::state::{StepConfig, StepInput};
@@ -162,9 +162,10 @@ impl SolverInput {
         }
     }
 
-    /// Length of a collision substep of a step that has `count`, seconds.
-    pub(super) fn dt(&self, count: u32) -> f32 {
-        reach::pace(&self.config, count).dt
+    /// How long a body moves in a collision substep, seconds, by the number of its pace on the device.
+    pub(super) fn travel_time(&self, pace: u32) -> f32 {
+        let substeps = pace.checked_add(1);
+        substeps.map_or(0.0, |count| CollisionSubstep::of(&self.config, count).dt)
     }
 
     /// Whether the device counts the collision substeps, because there may be more than one.
@@ -223,16 +224,26 @@ impl SolverInput {
     }
 
     /// Writes all buffers.
-    pub fn write(&self, commands: &mut Commands, known: &mut Known, step: &StepBuffers, capacity: SolverCapacity) {
+    pub fn write(&self, commands: &mut Commands, known: &mut Known, step: &StepBuffers, solver: &SolverBuffers) {
         let count = self.body_count();
-        let whole_step = CollisionSubstep::of(&self.config, 1);
-        let packed = |old| upload::collision_substep(&self.config.solver, &whole_step, [count, old], capacity);
+        let most = if self.counts_substeps() {
+            reach::most(&self.config)
+        } else {
+            1
+        };
+        let StepConfig {
+            gravity,
+            solver: settings,
+            ..
+        } = &self.config;
+        let packed = |old| upload::collision_substep(settings, *gravity, most, [count, old], solver.capacity);
         let same: Vec<u32> = (0..count).collect();
         for (buffer, bytes) in [
             (&step.first_collision_substep, bytes_of(&packed(self.old_bodies()))),
             (&step.later_collision_substep, bytes_of(&packed(count))),
             (&step.first_new_numbers, cast_slice(&self.remap.new_numbers)),
             (&step.later_new_numbers, cast_slice(&same)),
+            (&solver.paces, cast_slice(&reach::paces(&self.config, most))),
             (&step.solver_bodies, cast_slice(&self.bodies)),
             (&step.host_states, cast_slice(&self.host_states)),
             (&step.sent_forces, cast_slice(&self.forces)),
@@ -242,7 +253,6 @@ impl SolverInput {
         if self.counts_substeps() {
             let division = reach::division(&self.config, self.recorded_substeps);
             commands.write_changes(known, &step.division, bytes_of(&division));
-            commands.write_changes(known, &step.paces, cast_slice(&reach::paces(&self.config)));
         }
         let forces: &[u8] = cast_slice(&self.forces);
         commands.copy_start(&step.sent_forces, &step.forces, forces.len() as u64);

@@ -172,7 +172,7 @@ impl Input {
         for &i in solver.fast() {
             self.bodies[i as usize].flags |= FAST;
         }
-        self.step.speculative_time = SAFETY * self.step.dt;
+        self.step.travel_scale = SAFETY;
         self.step.drift = solver.drift.to_array();
         self.step.planes_changed = solver.planes_changed().into();
         self.step.same_numbers = solver.same_numbers().into();
@@ -334,7 +334,7 @@ impl Input {
         if let Some(contacts) = contacts {
             contacts.write_limits(commands, known, step.bodies, step.planes, room);
             if let Some(solver) = &self.solver {
-                solver.write(commands, known, &contacts.step, contacts.solver.capacity);
+                solver.write(commands, known, &contacts.step, &contacts.solver);
             }
         }
     }
@@ -371,6 +371,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
         memberships: bodies.layers[i].memberships,
         filters: bodies.layers[i].filters,
         thickness: bodies.thickness[i],
+        travel_time: state.config.dt,
         source: carried.map_or(0, |carried| carried.source),
         carried: carried.map_or(0, |carried| carried.bits()),
         body: bodies.body_of(i as u32),

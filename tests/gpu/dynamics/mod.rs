@@ -12,6 +12,8 @@ mod chain;
 mod cloud;
 mod compounds;
 mod fast_bodies;
+#[path = "../../dynamics/groups.rs"]
+mod groups;
 #[path = "../../dynamics/hammers.rs"]
 mod hammers;
 #[path = "../../dynamics/incline.rs"]
@@ -88,6 +90,11 @@ pub const TESTS: &[Test] = &tests! {
     what_meets_nothing_needs_one_collision_substep: reach::meets_nothing();
     what_meets_a_plate_has_as_many_substeps_as_on_the_cpu: reach::meets_a_plate();
     hammers_need_as_many_substeps_as_on_the_cpu: reach::as_on_the_cpu();
+    an_impact_far_away_changes_nothing: groups::far_impact(4, 100);
+    billiard_balls_pass_on_their_momentum: groups::billiards();
+    a_formation_with_a_fast_spinner_stays_together: groups::spinner();
+    groups_have_as_many_substeps_as_on_the_cpu: reach::groups_as_on_the_cpu();
+    groups_that_come_near_each_other_have_the_same_number: reach::groups_near_each_other();
     commands_that_are_not_needed_change_nothing: reach::same_with_spare_substeps();
     what_all_bodies_have_in_common_changes_nothing: small_games::formation(&shapes::ball(0.25, 2), 2, 0.501, 8);
     what_is_pushed_out_does_not_sleep_before_it_is_out: small_games::pushed_out(&shapes::ball(0.5, 2), 0.6);

@@ -14,6 +14,11 @@ fn substeps(world: &World) -> u32 {
     world.state.results.collision_substeps
 }
 
+/// The mean number of the bodies that move.
+fn mean(world: &World) -> f32 {
+    world.state.results.mean_collision_substeps
+}
+
 fn work(world: &World) -> GpuWork {
     world.state.results.gpu.expect("the step ran on the device")
 }
@@ -132,6 +137,60 @@ pub fn as_on_the_cpu() {
         gpu.place_frames();
     }
     assert!(seen.iter().any(|&count| count > 3) && seen.contains(&1), "{seen:?}");
+}
+
+/// Some pairs of balls that fly at each other, each pair with another speed, far from the others. Beside each of them a third
+/// ball rests.
+fn pairs_of_balls(apart: f32) -> World {
+    let mut world = World::weightless();
+    let ball = world.mesh(&shapes::ball(0.1, 2));
+    let mut put = |at: Vec3, velocity: Vec3| {
+        world.put(&Body {
+            linear_velocity: velocity,
+            ..Body::at_rest(ball, at, Quat::IDENTITY, Vec3::ONE)
+        })
+    };
+    for i in 0..6 {
+        let (at, velocity) = (Vec3::Y * apart * i as f32, Vec3::X * (1.0 + 4.0 * i as f32));
+        put(at - Vec3::X, velocity);
+        put(at + Vec3::X, -velocity);
+        put(at + Vec3::Z * 0.4, Vec3::ZERO);
+    }
+    world
+}
+
+/// Each pair takes as many collision substeps as its own speed asks for, from the same poses on both sides.
+pub fn groups_as_on_the_cpu() {
+    let mut worlds = both(|| pairs_of_balls(10.0));
+    let mut seen = Vec::new();
+    for step in 0..40 {
+        worlds.iter_mut().for_each(World::step);
+        let [of_cpu, of_gpu] = worlds.each_ref().map(|world| (substeps(world), mean(world)));
+        assert_eq!(of_cpu, of_gpu, "step {step}");
+        seen.push(of_gpu);
+        let [cpu, gpu] = &mut worlds;
+        gpu.state.input.bodies.set_motions(&rows(cpu));
+        gpu.place_frames();
+    }
+    println!("{seen:?}");
+    assert!(seen.iter().any(|&(most, mean)| most > 4 && mean < 2.0), "{seen:?}");
+}
+
+/// The same so near each other that impulses could bring the pairs together: they wait for each other.
+pub fn groups_near_each_other() {
+    let mut worlds = both(|| pairs_of_balls(0.8));
+    let mut means = Vec::new();
+    for step in 0..40 {
+        worlds.iter_mut().for_each(World::step);
+        let [of_cpu, of_gpu] = worlds.each_ref().map(|world| (substeps(world), mean(world)));
+        assert_eq!(of_cpu, of_gpu, "step {step}");
+        means.push(of_gpu.1);
+        let [cpu, gpu] = &mut worlds;
+        gpu.state.input.bodies.set_motions(&rows(cpu));
+        gpu.place_frames();
+    }
+    println!("{means:?}");
+    assert!(means.iter().any(|&mean| mean > 3.0), "{means:?}");
 }
 
 /// What falls onto a floor, a half-space and each other, sleeps, and is hit.

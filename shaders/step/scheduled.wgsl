@@ -1,0 +1,25 @@
+#define_import_path faceoff::scheduled
+
+// How a collider goes on between collision substeps.
+
+#import faceoff::margins::with_speculative_radius
+#import faceoff::paces::NO_PACE
+#import faceoff::types as t
+
+// Whether a body with a pace of this number has completed its step after so many collision substeps. What is static has.
+fn has_completed(pace: u32, collision_substeps: u32) -> bool {
+    return pace == NO_PACE || collision_substeps > pace;
+}
+
+// The collider, moved to its new place, in the next collision substep. If it has completed its step its sphere stays as it
+// was, so that the pairs that keep contact points are found.
+fn after_substep(step: t::Step, body: t::Body, asleep: bool, completed: bool) -> t::Body {
+    var next = body;
+    if completed {
+        next.inactive = 1u;
+        next.travel_time = 0.0;
+        return next;
+    }
+    next.inactive &= u32(asleep);
+    return with_speculative_radius(step, next);
+}
