@@ -38,7 +38,7 @@ fn unit_of(size: f32) -> f32 {
 fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let a = bodies[bodies_of_pair.x];
     let b = bodies[bodies_of_pair.y];
-    if a.travel_time == 0.0 && b.travel_time == 0.0 {
+    if (a.inactive & b.inactive & t::COMPLETED) != 0u {
         // Both have completed their step, or one has and the other is static: the pair keeps its contact points.
         var kept: t::NearPair;
         kept.a = bodies_of_pair.x;

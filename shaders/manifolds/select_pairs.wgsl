@@ -26,5 +26,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let pair = near_pairs[values[i]];
     let a = bodies[pair.a];
     let b = bodies[pair.b];
-    margin_pairs[i] = t::MarginPair(pair.a, pair.b, speculative_margin(step, a, b), a.inactive & b.inactive);
+    let inactive = u32(a.inactive != 0u && b.inactive != 0u);
+    margin_pairs[i] = t::MarginPair(pair.a, pair.b, speculative_margin(step, a, b), inactive);
 }

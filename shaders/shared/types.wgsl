@@ -71,8 +71,7 @@ struct Body {
     speculative_radius: f32,
     // Of the thinnest part, metres.
     thickness: f32,
-    // Not 0: nothing about it has changed since the last detection, where its number was `source`. It sleeps or is
-    // static.
+    // Not 0: nothing about it has changed since the last detection, where its number was `source`; see the constants.
     inactive: u32,
     // Number of its body: that of the body's first collider.
     body: u32,
@@ -82,6 +81,11 @@ struct Body {
     padding_b: u32,
     padding_c: u32,
 }
+
+// Why a body is inactive. It is static or asleep, and has been so since the step began.
+const RESTS: u32 = 1u;
+// It has completed its step, or it is static and the first collision substep is over.
+const COMPLETED: u32 = 2u;
 
 // A moving body whose colliders are placed in it. Its row in `moved` follows those of the colliders.
 struct Compound {

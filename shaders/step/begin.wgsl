@@ -46,7 +46,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let center = body.scale * meshes[body.mesh].center;
     let state = state_at_start(host_states[i], known, body.carried, stays, is_static, motion, center);
     let rests = all(body.linear_velocity == vec3(0.0)) && all(body.angular_velocity == vec3(0.0));
-    body.inactive = u32(goes_on && (is_static || (state.asleep != 0u && rests)));
+    body.inactive = select(0u, t::RESTS, goes_on && (is_static || (state.asleep != 0u && rests)));
     bodies[i] = with_speculative_radius(step, with_rounded_center(body));
     motion_states[i] = state;
 }

@@ -26,7 +26,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let body = bodies[i];
     let is_part = (body.flags & t::PART) != 0u;
     let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
-    if body.inactive == 0u || (state.asleep == 0u && !is_static && !is_part) {
+    if (body.inactive & t::RESTS) == 0u || (state.asleep == 0u && !is_static && !is_part) {
         atomicStore(&tally[t::AWAKE], 1u);
     }
     if is_part {

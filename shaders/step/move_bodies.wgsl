@@ -37,5 +37,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         body_paces[i] = NO_PACE;
     }
     body.source = i;
-    bodies[i] = after_substep(step, body, state.asleep != 0u, completed);
+    let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
+    bodies[i] = after_substep(step, body, is_static || state.asleep != 0u, completed);
 }

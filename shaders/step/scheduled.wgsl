@@ -11,15 +11,17 @@ fn has_completed(pace: u32, collision_substeps: u32) -> bool {
     return pace == NO_PACE || collision_substeps > pace;
 }
 
-// The collider, moved to its new place, in the next collision substep. If it has completed its step its sphere stays as it
-// was, so that the pairs that keep contact points are found.
-fn after_substep(step: t::Step, body: t::Body, asleep: bool, completed: bool) -> t::Body {
+// The collider, moved to its new place, in the next collision substep. `rests`: it is static or asleep. If it has completed
+// its step its sphere stays as it was, so that the pairs that keep contact points are found.
+fn after_substep(step: t::Step, body: t::Body, rests: bool, completed: bool) -> t::Body {
     var next = body;
+    if !rests {
+        next.inactive &= ~t::RESTS;
+    }
     if completed {
-        next.inactive = 1u;
+        next.inactive |= t::COMPLETED;
         next.travel_time = 0.0;
         return next;
     }
-    next.inactive &= u32(asleep);
     return with_speculative_radius(step, next);
 }

@@ -110,6 +110,7 @@ fn find_territories(thread: u32) -> u32 {
         }
     }
     storageBarrier();
+    workgroupBarrier();
     let count = for_all(thread, atomicLoad(&territory_count));
     for (var k = thread; k < min(count, MAX_TERRITORIES); k += THREADS) {
         let root = territories[k].root;

@@ -181,7 +181,7 @@ buffers! {
     Buffers(Capacity), |capacity| {
         /// Parameters of the step.
         step: UNIFORM Step, 1u32, "step";
-        /// As the host sends them. A step starts with a copy, because a kernel writes the length of collision substeps.
+        /// As the host sends them. A step starts with a copy, because a kernel writes which collision substeps are needed.
         sent_step: ARRAY Step, 1u32, "step as sent";
         bodies: ARRAY Body, capacity.bodies, "bodies";
         /// As the host sends them. A step starts with a copy, because kernels write the poses.

@@ -438,7 +438,7 @@ constants! {
     u32 MAX_VELOCITY = 29;
     u32 MAX_NEGATED_VELOCITY = 32;
     u32 MAX_SPIN = 35;
-    /// Not 0: a collider was not inactive in the last collision substep, or a body that can move is awake after it.
+    /// Not 0: a collider has not rested since the step began, or a body that can move is awake after it.
     u32 AWAKE = 36;
     // Of the last collision substep that the step needed: pairs and points in the lists, and the counters of these names.
     u32 LAST_CONTACT_PAIRS = 37;

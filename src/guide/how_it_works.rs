@@ -218,7 +218,7 @@
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
 //! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same device |
-//! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, all bodies have the largest number |
+//! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, or some of these are among more than 65,000 bodies, all may have the largest number |
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
 //! A step on a GPU is one submission, for any number of collision substeps. The device counts those that the step needs, but

@@ -252,7 +252,7 @@ pub struct StepReport {
     pub contact_points: usize,
     /// Number of collision substeps, the largest of any body; see [`SolverSettings`](crate::types::solver_settings::SolverSettings).
     pub collision_substeps: u32,
-    /// The mean number of collision substeps of the bodies that move. On a GPU all have the same number.
+    /// The mean number of collision substeps of the bodies that move.
     pub mean_collision_substeps: f32,
     /// Number of bodies asleep.
     pub sleeping: usize,

@@ -35,7 +35,7 @@ pub struct StepResults {
     pub asleep: Vec<bool>,
     /// Number of collision substeps of the step: the largest of any body.
     pub collision_substeps: u32,
-    /// The mean number of collision substeps of the bodies.
+    /// The mean number of collision substeps of the bodies that move.
     pub mean_collision_substeps: f32,
     /// The bodies of which pairs were left out; none, unless the step exceeded its limits.
     pub crowd: Crowd,

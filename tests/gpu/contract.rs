@@ -8,6 +8,7 @@ use bevy_faceoff::gpu::program::{CONSTANTS, Call, Calls, Groups};
 use bevy_faceoff::gpu::scan;
 use bevy_faceoff::gpu::shader::{self, Shaders, Value};
 use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity, ContactScratch};
+use bevy_faceoff::plugin::Poses;
 use bevy_faceoff::solver::gpu::{self as solver, SolverBuffers};
 use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepCapacity};
 use bevy_faceoff::step::gpu::record::{ALL_SHADERS, Recorder, all_kernels, all_modules};
@@ -30,6 +31,10 @@ pub const TESTS: &[Plain] = &[
     (
         "every_struct_is_laid_out_as_in_wgsl",
         every_struct_is_laid_out_as_in_wgsl,
+    ),
+    (
+        "drawn_poses_are_elements_of_the_buffers",
+        drawn_poses_are_elements_of_the_buffers,
     ),
     (
         "elements_of_buffers_have_no_gaps_between_them",
@@ -183,6 +188,22 @@ fn every_struct_is_laid_out_as_in_wgsl() {
     }
     let all: BTreeSet<&str> = structs().map(|s| s.name).collect();
     assert_eq!(seen, all, "structs that no kernel uses");
+}
+
+fn drawn_poses_are_elements_of_the_buffers() {
+    let module = front::wgsl::parse_str(Poses::WGSL).unwrap();
+    let drawn: HashMap<&str, Layout> = structs_of(&module).collect();
+    for (name, element) in [("FaceoffBefore", "Body"), ("FaceoffAfter", "Moved")] {
+        let (size, fields) = &drawn[name];
+        let element = structs().find(|s| s.name == element).unwrap();
+        assert_eq!(*size, element.size, "{name}");
+        // All but the last, which stands for the fields that are not drawn.
+        let named = fields.split_last().unwrap().1.iter();
+        for (field, offset) in named {
+            let wanted = element.fields.iter().find(|(name, _)| name == field);
+            assert_eq!(wanted.map(|&(_, offset)| offset), Some(*offset), "{name}.{field}");
+        }
+    }
 }
 
 fn elements_of_buffers_have_no_gaps_between_them() {

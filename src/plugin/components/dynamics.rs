@@ -120,8 +120,7 @@ impl Default for MaxAngularSpeed {
 ///   once more at its end, also with
 ///   [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
 ///   [`Readback::Resident`](crate::plugin::settings::Readback::Resident), whose results come as late as ever.
-///   [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts it. On a GPU all bodies have the same number
-///   of collision substeps, so after an impact of one of them all may have more.
+///   [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContinuousCollision;

@@ -6,7 +6,8 @@ use crate::state::Manifolds;
 use glam::{Quat, Vec3};
 
 impl WarmStart {
-    /// The saved pairs and points for a device. There is one pair for each of `manifolds`, with the same points. `key_of` gives the key of a body by its number.
+    /// The saved pairs and points for a device. There is one pair for each of `manifolds`, with the same points.
+    /// `key_of` gives the key of a body by its number.
     pub(crate) fn to_device(
         &self,
         manifolds: &Manifolds,

@@ -166,7 +166,11 @@ impl FastBodies<'_> {
         let (contact_points, rest) = read.split_at(points_read.count() * size_of::<ContactPoint>());
         let (states, paces) = rest.split_at(2 * bodies_read.count() * size_of::<MotionState>());
         let paces: Vec<u32> = pod_collect_to_vec(paces);
-        let travel_time = |&number: &u32| solver.travel_time(paces[bodies_read.place_of(number)]);
+        let travel_time = |number: u32| solver.travel_time(paces[bodies_read.place_of(number)]);
+        pairs.retain(|pair| pair.iter().any(|&i| travel_time(i) > 0.0));
+        if pairs.is_empty() {
+            return Ok(None);
+        }
         let contact_points: Vec<ContactPoint> = pod_collect_to_vec(contact_points);
         let states: Vec<MotionState> = pod_collect_to_vec(states);
         let [before, after] = [0, bodies_read.count()].map(|first| {
@@ -184,7 +188,7 @@ impl FastBodies<'_> {
             manifolds.end_pair([pair.a, pair.b].map(number_of), first);
         }
         manifolds.pairs.sort_unstable_by_key(|pair| pair.bodies);
-        let travel_times = colliders.iter().map(travel_time).collect();
+        let travel_times = colliders.iter().map(|&i| travel_time(i)).collect();
         let (bodies, solver_bodies) = self.placed(&colliders, travel_times, &before, &after);
         Ok(Some(Excerpt {
             pairs: pairs.iter().map(|pair| pair.map(number_of)).collect(),

@@ -32,9 +32,9 @@ use wgpu::Buffer;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Poses<'a> {
-    /// Before that step: an array of `FaceoffBefore`, 144 bytes each.
+    /// Before that step: an array of `FaceoffBefore`.
     pub previous: &'a Buffer,
-    /// After it: an array of `FaceoffAfter`, 64 bytes each.
+    /// After it: an array of `FaceoffAfter`.
     pub current: &'a Buffer,
     /// Number of colliders.
     pub bodies: u32,

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::gpu::layout::{Body as DeviceBody, Moved};
 use bevy_faceoff::gpu::readback::read_words;
 use bevy_faceoff::plugin::settings::LATENCY;
 use bevy_faceoff::prelude::*;
@@ -390,7 +391,7 @@ fn resident(_: &Gpu) {
     let (buffers, entities) = bevy_faceoff::plugin::poses(world).unwrap();
     let entities: Vec<Entity> = entities.collect();
     let vector = |words: &[u32]| Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(words[k])));
-    let [stride_before, stride_after] = [36, 16];
+    let [stride_before, stride_after] = [size_of::<DeviceBody>(), size_of::<Moved>()].map(|bytes| bytes / 4);
     let before = read_words(gpu, buffers.previous, stride_before * entities.len()).unwrap();
     let after = read_words(gpu, buffers.current, stride_after * entities.len()).unwrap();
     assert_eq!(buffers.bodies as usize, entities.len());

@@ -96,6 +96,7 @@ pub const TESTS: &[Test] = &tests! {
     groups_have_as_many_substeps_as_on_the_cpu: reach::groups_as_on_the_cpu();
     groups_that_come_near_each_other_have_the_same_number: reach::groups_near_each_other();
     commands_that_are_not_needed_change_nothing: reach::same_with_spare_substeps();
+    what_falls_asleep_does_not_feel_them: reach::asleep_with_spare_substeps();
     what_all_bodies_have_in_common_changes_nothing: small_games::formation(&shapes::ball(0.25, 2), 2, 0.501, 8);
     what_is_pushed_out_does_not_sleep_before_it_is_out: small_games::pushed_out(&shapes::ball(0.5, 2), 0.6);
     two_that_overlap_part_before_they_sleep: small_games::overlapping(&shapes::cube(1.0), 2, Vec3::X * 0.3);

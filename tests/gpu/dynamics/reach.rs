@@ -1,7 +1,7 @@
 //! How many collision substeps a step has: as many as the bodies need that can meet in it.
 
 use super::compounds::rows;
-use super::hammers::{hammer, put};
+use super::hammers::{hammer, hammer_at, put};
 use super::parity::both;
 use crate::world::World;
 use bevy_faceoff::geometry::shapes;
@@ -245,21 +245,77 @@ fn busy() -> World {
     world
 }
 
-/// Collision substeps that are recorded and not needed change nothing, to the bit.
-pub fn same_with_spare_substeps() {
-    let mut worlds = [busy(), busy()];
+/// A hammer and a thin plate come to rest on a floor. With `flies` a fast ball is far above them, so that a GPU counts
+/// collision substeps in every step.
+fn lies_down(flies: bool) -> World {
+    let mut world = World::new();
+    world.state.input.config.solver.sleeping = true;
+    let [cube, ball] = [shapes::cube(1.0), shapes::ball(0.1, 2)].map(|mesh| world.mesh(&mesh));
+    world.floor(cube);
+    hammer_at(&mut world, Vec3::Y * 0.5, Quat::from_rotation_z(1.3));
+    world.add(
+        RigidBody::Dynamic,
+        cube,
+        Vec3::new(0.3, 0.001, 0.3),
+        Vec3::new(3.0, 0.02, 0.0),
+        Quat::from_rotation_z(0.05),
+    );
+    if flies {
+        world.put(&Body {
+            linear_velocity: Vec3::X * 60.0,
+            ..Body::at_rest(ball, Vec3::Y * 1000.0, Quat::IDENTITY, Vec3::ONE)
+        });
+    }
+    world
+}
+
+/// Motions, sleep and reports of both worlds have the same bits.
+fn assert_same(worlds: &[World; 2], step: usize) {
+    let [few, many] = worlds.each_ref().map(|world| {
+        let results = &world.state.results;
+        let pairs = (&results.sphere_pairs, results.approximate_pairs);
+        let reported = format!("{:?} {:?} {pairs:?}", results.contacts, results.manifolds);
+        (rows(world), substeps(world), results.asleep.clone(), reported)
+    });
+    assert!(few == many, "step {step}");
+}
+
+/// The same world twice; one has commands for three collision substeps more than the last steps suggest.
+fn without_and_with_spare_substeps(world: impl Fn() -> World) -> [World; 2] {
+    let mut worlds = [world(), world()];
     let device = worlds[1].device.take().expect("it runs on the device");
     worlds[1].device = Some(device.with_spare_substeps(3));
+    worlds
+}
+
+/// Bodies fall asleep in the same step at the same poses, and rest in the same way.
+pub fn asleep_with_spare_substeps() {
+    for flies in [false, true] {
+        let mut worlds = without_and_with_spare_substeps(|| lies_down(flies));
+        let mut asleep_since = None;
+        for step in 0..500 {
+            worlds.iter_mut().for_each(World::step);
+            assert_same(&worlds, step);
+            // The two of the hammer, and the plate.
+            if worlds[0].state.results.asleep[1..4] == [true; 3] {
+                asleep_since.get_or_insert(step);
+            }
+            if asleep_since.is_some_and(|since| since + 10 < step) {
+                break;
+            }
+        }
+        println!("asleep since step {asleep_since:?}");
+        assert!(asleep_since.is_some());
+    }
+}
+
+/// Collision substeps that are recorded and not needed change nothing, to the bit.
+pub fn same_with_spare_substeps() {
+    let mut worlds = without_and_with_spare_substeps(busy);
     let (mut counts, mut dispatches) = (Vec::new(), [0; 2]);
     for step in 0..90 {
         worlds.iter_mut().for_each(World::step);
-        let [few, many] = worlds.each_ref().map(|world| {
-            let results = &world.state.results;
-            let pairs = (&results.sphere_pairs, results.approximate_pairs);
-            let reported = format!("{:?} {:?} {pairs:?}", results.contacts, results.manifolds);
-            (rows(world), substeps(world), results.asleep.clone(), reported)
-        });
-        assert!(few == many, "step {step}");
+        assert_same(&worlds, step);
         for (sum, world) in dispatches.iter_mut().zip(&worlds) {
             *sum += work(world).dispatches;
         }
