@@ -1,6 +1,6 @@
 #define_import_path faceoff::batches
 
-// Contact points are made for a batch of the pairs at a time, in the same lists. Of n batches number k has the pairs k, n + k,
+// Contact points are made for a batch of the active pairs at a time, in the same lists. Of n batches number k has the pairs k, n + k,
 // 2 n + k and so on: bodies of a crowd often have neighbouring numbers, and so all batches share them.
 //
 // `batch` is the number of the batch and the number of batches.
@@ -10,14 +10,14 @@
 
 @group(0) @binding(1) var<storage, read_write> contact_counters: array<u32>;
 
-// The number of the i-th pair of a batch in the list of all pairs.
-fn pair_of(i: u32, batch: vec2<u32>) -> u32 {
+// The number of the i-th pair of a batch in the list of active pairs.
+fn active_pair_of(i: u32, batch: vec2<u32>) -> u32 {
     return i * batch.y + batch.x;
 }
 
 // Number of pairs of a batch.
 fn pairs_in(batch: vec2<u32>) -> u32 {
-    let pairs = contact_counters[t::MARGIN_PAIRS];
+    let pairs = contact_counters[t::ACTIVE_PAIRS];
     return divide_up(pairs - min(batch.x, pairs), batch.y);
 }
 

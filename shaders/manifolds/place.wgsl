@@ -1,6 +1,6 @@
 // Contact generation: the relative pose of each pair of a batch. One thread per pair.
 #import faceoff::arena::meshes
-#import faceoff::batches::pair_of
+#import faceoff::batches::active_pair_of
 #import faceoff::constants::manifolds::{NUDGE, SAME_PLACE}
 #import faceoff::constants::shared::DEFAULT_DIRECTION
 #import faceoff::dispatch::group_index
@@ -14,6 +14,7 @@
 @group(0) @binding(6) var<storage, read_write> pair_setups: array<t::PairSetup>;
 // x: number of the batch. y: number of batches.
 @group(0) @binding(7) var<uniform> constants: vec4<u32>;
+@group(0) @binding(8) var<storage, read> active_pairs: array<u32>;
 
 // Error bound of a height over a plane, in units of the sum of the bounding radii: about 12 roundings of 2^-23.
 const ROUNDING_SINGLE: f32 = 1.5e-6;
@@ -31,7 +32,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= contact_counters[t::BATCH_PAIRS] {
         return;
     }
-    pair_setups[i] = pair_setup(margin_pairs[pair_of(i, constants.xy)]);
+    pair_setups[i] = pair_setup(margin_pairs[active_pairs[active_pair_of(i, constants.xy)]]);
 }
 
 fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
@@ -39,7 +40,7 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     result.a = pair.a;
     result.b = pair.b;
     result.valid = 0u;
-    if pair.inactive != 0u || pair.a == pair.b || max(pair.a, pair.b) >= limits.bodies {
+    if pair.a == pair.b || max(pair.a, pair.b) >= limits.bodies {
         return result;
     }
     let a = bodies[pair.a];

@@ -2,7 +2,7 @@
 // from those selected, in position and normal. One workgroup per pair. The twin of `src/manifolds/cpu/reduce.rs`.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
-#import faceoff::batches::pair_of
+#import faceoff::batches::active_pair_of
 #import faceoff::constants::reduce::{MIN_WEIGHT, MAX_POINTS, DUPLICATE, DEPTH_SCALE, NORMAL_WEIGHT}
 #import faceoff::contact_slots::slot_of_pair
 #import faceoff::dispatch::group_index
@@ -19,6 +19,7 @@
 @group(0) @binding(7) var<storage, read_write> slots: array<t::ContactPair>;
 // x: number of the batch. y: number of batches.
 @group(0) @binding(8) var<uniform> constants: vec4<u32>;
+@group(0) @binding(9) var<storage, read> active_pairs: array<u32>;
 
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_at: array<u32, 64>;
@@ -39,7 +40,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if thread == 0u {
         base = atomicAdd(&contact_counters[t::STAGED_POINTS], count);
         let fits = base <= limits.staged_points && count <= limits.staged_points - base;
-        let slot = slot_of_pair(pair_of(index, constants.xy), setup.a, limits.bodies, limits.planes);
+        let pair = active_pairs[active_pair_of(index, constants.xy)];
+        let slot = slot_of_pair(pair, setup.a, limits.bodies, limits.planes);
         slots[slot] = t::ContactPair(setup.a, setup.b, base, select(0u, count, fits));
         base = select(t::NOTHING, base, fits);
     }

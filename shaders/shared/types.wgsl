@@ -398,8 +398,7 @@ struct MarginPair {
     b: u32,
     // Speculative margin, metres.
     margin: f32,
-    // Not 0: the pair is inactive and keeps its contact points.
-    inactive: u32,
+    padding: u32,
 }
 
 // The relative pose of such a pair, and its ranges in the lists.

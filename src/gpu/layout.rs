@@ -203,7 +203,7 @@ layout! {
     }
     /// A pair of bodies whose contact points are requested.
     MarginPair {
-        a: u32, b: u32, margin: f32, inactive: u32,
+        a: u32, b: u32, margin: f32, padding: u32,
     }
     /// The relative pose of such a pair, and its ranges in the lists.
     PairSetup {
@@ -381,8 +381,8 @@ constants! {
     /// In place of an infinite radius of curvature: infinity is not portable in WGSL.
     f32 FLAT_RADIUS = 1.0e30;
 
-    // Indices into `contact_counters`. The host sets the first and zeroes the others. If a list is shorter than its
-    // counter, its contents are invalid.
+    // Indices into `contact_counters`. The host zeroes them, but sets the numbers of pairs if it lists the
+    // pairs itself. If a list is shorter than its counter, its contents are invalid.
     u32 MARGIN_PAIRS = 0;
     u32 CONTACT_SLOTS = 1;
     u32 STAGED_POINTS = 2;
@@ -411,6 +411,8 @@ constants! {
     u32 TOTAL_FEATURES = 19;
     u32 TOTAL_SEGMENTS = 20;
     u32 TOTAL_NEAR_PIECES = 21;
+    /// Pairs whose contact points are found; the others keep theirs.
+    u32 ACTIVE_PAIRS = 22;
     u32 CONTACT_COUNTERS = 24;
 
     // Slots of `contact_arguments`: a workgroup per pair of the batch at hand, per 64 of them, per 64

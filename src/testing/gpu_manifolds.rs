@@ -5,8 +5,8 @@ use crate::gpu::buffers::TooLarge;
 use crate::gpu::commands::Commands;
 use crate::gpu::device::{Gpu, NoGpu};
 use crate::gpu::layout::{
-    self, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, CONTACTS_SKIPPED, ContactPair,
-    ContactPoint, FLAT_RADIUS, MARGIN_PAIRS,
+    self, ACTIVE_PAIRS, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, CONTACTS_SKIPPED,
+    ContactPair, ContactPoint, FLAT_RADIUS, MARGIN_PAIRS,
 };
 use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::readback::{DeviceError, read_words, scoped};
@@ -100,7 +100,7 @@ impl GpuManifolds {
             a: pair.bodies[0],
             b: pair.bodies[1],
             margin: pair.margin,
-            inactive: 0,
+            padding: 0,
         };
         let pairs: Vec<layout::MarginPair> = pairs.iter().map(own).collect();
         let count = pairs.len() as u32;
@@ -191,11 +191,15 @@ impl GpuManifolds {
                 .capacity
                 .limits(scene.population.bodies, scene.population.planes);
             let mut counters = [0u32; CONTACT_COUNTERS as usize];
-            counters[MARGIN_PAIRS as usize] = pairs.len() as u32;
+            for counter in [MARGIN_PAIRS, ACTIVE_PAIRS] {
+                counters[counter as usize] = pairs.len() as u32;
+            }
             gpu.queue.write_buffer(&buffers.limits, 0, bytes_of(&limits));
             gpu.queue
                 .write_buffer(&buffers.contact_counters, 0, cast_slice(&counters));
             gpu.queue.write_buffer(&buffers.margin_pairs, 0, cast_slice(pairs));
+            let active: Vec<u32> = (0..pairs.len() as u32).collect();
+            gpu.queue.write_buffer(&buffers.active_pairs, 0, cast_slice(&active));
             let program = self.program(scene, buffers, scratch);
             let mut commands = Commands::new(gpu, "test");
             program.record(Stage::Manifolds, &mut commands, scene.population, None);

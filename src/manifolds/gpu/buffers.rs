@@ -146,7 +146,7 @@ buffers! {
     ContactBuffers(ContactCapacity), |capacity| {
         /// Lengths of the lists.
         limits: UNIFORM ContactLimits, 1u32, "contact limits";
-        /// The host writes the number of pairs, and zeroes the others.
+        /// The host zeroes them.
         contact_counters: ARRAY u32, CONTACT_COUNTERS, "contact counters";
         /// Arguments of indirect dispatches.
         contact_arguments: INDIRECT u32, 16u32, "contact arguments";
@@ -154,6 +154,8 @@ buffers! {
         near_arguments: INDIRECT u32, 6u32, "contact arguments for pieces";
         /// Pairs of bodies, ascending.
         margin_pairs: ARRAY MarginPair, capacity.margin_pairs, "pairs with margins";
+        /// The numbers of those whose contact points are found, in any order.
+        active_pairs: ARRAY u32, capacity.margin_pairs, "active pairs";
         /// Points in any order.
         staged: ARRAY ContactPoint, capacity.staged_points, "staged contact points";
         /// The range of points of each pair, and of each body and half-space.
