@@ -56,6 +56,10 @@ pub const GAMES: &[Game] = &[
         pile(world);
         far_plate(world);
     }),
+    game("pile of tori, awake, and a far ball between two walls", 256, |world| {
+        pile(world);
+        far_impacts(world);
+    }),
     game("pile of tori, asleep after a while", 1500, sleeping_pile),
     game("pile of tori, asleep after a while, and a far bullet", 1500, |world| {
         sleeping_pile(world);
@@ -181,6 +185,19 @@ fn far_plate(world: &mut World) {
     let place = Transform::from_xyz(0.0, 1000.0, 0.0).with_scale(Vec3::new(1.0, 0.01, 1.0));
     let spin = AngularVelocity(Vec3::X * 10.0);
     world.spawn((RigidBody::Dynamic, mesh, place, GravityScale(0.0), spin));
+}
+
+/// A ball of 5 cm that flies between two walls and hits one in nearly every step, far from everything else.
+fn far_impacts(world: &mut World) {
+    let [ball, wall] = [shapes::ball(0.025, 2), shapes::cube(1.0)].map(|shape| mesh(world, &shape));
+    for side in [-0.5, 0.5] {
+        let place = Transform::from_xyz(side, 1000.0, 0.0).with_scale(Vec3::new(0.1, 1.0, 1.0));
+        world.spawn((RigidBody::Static, wall.clone(), place));
+    }
+    let place = Transform::from_xyz(0.0, 1000.0, 0.0);
+    let velocity = LinearVelocity(Vec3::X * 60.0);
+    let elastic = (Restitution::new(1.0), Friction::new(0.0), GravityScale(0.0));
+    world.spawn((RigidBody::Dynamic, ball, place, velocity, elastic));
 }
 
 /// 108 tori that fall into a pile and rest there, awake.

@@ -20,8 +20,8 @@ fn main() {
     let all_slots = contact_counters[t::MARGIN_PAIRS] + limits.bodies * limits.planes;
     let slots = select(all_slots, 0u, step.is_over != 0u);
     contact_counters[t::CONTACT_SLOTS] = slots;
-    set_rows(t::GROUPS_PER_MARGIN_PAIR, pairs);
-    set_rows(t::GROUPS_PER_64_MARGIN_PAIRS, divide_up(pairs, 64u));
+    set_rows(t::GROUPS_PER_BATCH_PAIR, pairs);
+    set_rows(t::GROUPS_PER_64_BATCH_PAIRS, divide_up(pairs, 64u));
     set_rows(t::GROUPS_PER_64_SLOTS, divide_up(slots, 64u));
     set_rows(t::GROUPS_PER_SLOT_BLOCK, divide_up(slots, SCAN_BLOCK));
     // Pairs of large meshes raise these.

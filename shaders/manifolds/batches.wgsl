@@ -1,7 +1,7 @@
 #define_import_path faceoff::batches
 
-// Contact points are made for a batch of the active pairs at a time, in the same lists. Of n batches number k has the pairs k, n + k,
-// 2 n + k and so on: bodies of a crowd often have neighbouring numbers, and so all batches share them.
+// Contact points are made for a batch of the active pairs at a time, in the same lists. Of n batches number k has the pairs k,
+// n + k, 2 n + k and so on of their list: it is nearly in ascending order, and so all batches share a crowd.
 //
 // `batch` is the number of the batch and the number of batches.
 

@@ -71,7 +71,8 @@ struct Body {
     speculative_radius: f32,
     // Of the thinnest part, metres.
     thickness: f32,
-    // Not 0: nothing about it has changed since the last detection, where its number was `source`; see the constants.
+    // Not 0: its pairs with other inactive bodies keep the contact points of the last detection, where its number was
+    // `source`. The constants tell why.
     inactive: u32,
     // Number of its body: that of the body's first collider.
     body: u32,
@@ -82,7 +83,7 @@ struct Body {
     padding_c: u32,
 }
 
-// Why a body is inactive. It is static or asleep, and has been so since the step began.
+// It is static or asleep, and nothing about it has changed since the last step.
 const RESTS: u32 = 1u;
 // It has completed its step, or it is static and the first collision substep is over.
 const COMPLETED: u32 = 2u;

@@ -417,8 +417,8 @@ constants! {
 
     // Slots of `contact_arguments`: a workgroup per pair of the batch at hand, per 64 of them, per 64
     // slots, per block of the scan of slots.
-    u32 GROUPS_PER_MARGIN_PAIR = 0;
-    u32 GROUPS_PER_64_MARGIN_PAIRS = 1;
+    u32 GROUPS_PER_BATCH_PAIR = 0;
+    u32 GROUPS_PER_64_BATCH_PAIRS = 1;
     u32 GROUPS_PER_64_SLOTS = 2;
     u32 GROUPS_PER_SLOT_BLOCK = 3;
 

@@ -198,7 +198,8 @@ impl GpuManifolds {
             gpu.queue
                 .write_buffer(&buffers.contact_counters, 0, cast_slice(&counters));
             gpu.queue.write_buffer(&buffers.margin_pairs, 0, cast_slice(pairs));
-            let active: Vec<u32> = (0..pairs.len() as u32).collect();
+            // Not in the order of the pairs: none is needed.
+            let active: Vec<u32> = (0..pairs.len() as u32).rev().collect();
             gpu.queue.write_buffer(&buffers.active_pairs, 0, cast_slice(&active));
             let program = self.program(scene, buffers, scratch);
             let mut commands = Commands::new(gpu, "test");

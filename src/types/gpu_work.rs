@@ -86,7 +86,8 @@ pub struct GpuLists {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub struct GpuList {
-    /// Number of elements; with several collision substeps or batches, of the one that had most.
+    /// Number of elements; with several collision substeps or batches, of the one that had most. Which
+    /// pairs share a batch may differ from run to run.
     pub length: u32,
     /// Number of elements for which there is room.
     pub capacity: u32,

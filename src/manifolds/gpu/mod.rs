@@ -2,7 +2,7 @@
 //!
 //! | kernel | one workgroup (or thread) per | task |
 //! |---|---|---|
-//! | select | (pair) | the pairs of a step in ascending order |
+//! | select | (pair) | the pairs of a step in ascending order, and which of them are active |
 //! | arguments | batch of pairs | workgroup counts; the lengths of lists |
 //! | place | (pair of bodies) | relative poses |
 //! | split | pair | the pieces of large pairs, as in TriangleTest |
@@ -19,7 +19,9 @@
 //! | compound anchors | (slot) | anchors on colliders of compounds |
 //! | counts, scans, emit | (slot) | the lists of pairs and points |
 //!
-//! From `arguments` to `reduce` the kernels run for one batch of pairs, and then for the next in the same lists: a pair needs most
+//! Pairs of bodies that sleep or have completed their step are not active: they keep their contact points.
+//!
+//! From `arguments` to `reduce` the kernels run for one batch of active pairs, and then for the next in the same lists: a pair needs most
 //! of its memory until it has its points, and none of that afterwards. There is one batch unless these lists become very long:
 //! see [`batches`](mod@batches). The others run once, for all pairs.
 //!

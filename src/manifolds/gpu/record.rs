@@ -4,8 +4,8 @@ use super::*;
 use crate::broad_phase::gpu::SORT;
 use crate::gpu::buffers::Capacity;
 use crate::gpu::layout::{
-    CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, GROUPS_PER_64_MARGIN_PAIRS, GROUPS_PER_64_PAIRS, GROUPS_PER_64_SLOTS,
-    GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_MARGIN_PAIR, GROUPS_PER_SLOT_BLOCK, GROUPS_PER_SORT_BLOCK, PAIRS,
+    CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, GROUPS_PER_64_BATCH_PAIRS, GROUPS_PER_64_PAIRS, GROUPS_PER_64_SLOTS,
+    GROUPS_PER_BATCH_PAIR, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_SLOT_BLOCK, GROUPS_PER_SORT_BLOCK, PAIRS,
 };
 use crate::gpu::program::{Calls, Groups};
 use crate::gpu::radix_sort::KeysAndValues;
@@ -49,10 +49,10 @@ pub fn record_points(calls: &mut Calls, capacity: &ContactCapacity) {
 
 /// Adds the calls that find contact points of one batch of pairs.
 fn record_batch(calls: &mut Calls, capacity: &ContactCapacity, batch: u32) {
-    let per_pair = per(GROUPS_PER_MARGIN_PAIR);
+    let per_pair = per(GROUPS_PER_BATCH_PAIR);
     let constants = [batch, capacity.batches, 0, 0];
     calls.call(&ARGUMENTS, Groups::Exactly(1)).constants(constants);
-    let counted = per(GROUPS_PER_64_MARGIN_PAIRS);
+    let counted = per(GROUPS_PER_64_BATCH_PAIRS);
     calls
         .call(&PLACE, Groups::per_64(capacity.batch_pairs(), counted))
         .constants(constants);
@@ -68,7 +68,7 @@ fn record_batch(calls: &mut Calls, capacity: &ContactCapacity, batch: u32) {
 
 /// Adds the calls that find all features, or in the second search those that overlap.
 fn record_search(calls: &mut Calls, search: u32) {
-    let per_pair = per(GROUPS_PER_MARGIN_PAIR);
+    let per_pair = per(GROUPS_PER_BATCH_PAIR);
     let per_piece = Groups::Indirect("near_arguments", search);
     let [count, write] = [0, 1].map(|phase| [phase, 0, 0, 0]);
     let constants = [search, 0, 0, 0];

@@ -2,7 +2,7 @@
 
 use super::record::per;
 use crate::gpu::kernel::{Kernel, kernel};
-use crate::gpu::layout::GROUPS_PER_MARGIN_PAIR;
+use crate::gpu::layout::GROUPS_PER_BATCH_PAIR;
 use crate::gpu::program::Calls;
 use crate::gpu::shader::{Module, shared_constants};
 use crate::manifolds;
@@ -21,5 +21,5 @@ pub(super) const CONSTANTS: Module = shared_constants!("faceoff::constants::redu
 
 /// Adds the call for a batch of pairs: its number, and the number of batches.
 pub(super) fn record(calls: &mut Calls, constants: [u32; 4]) {
-    calls.call(&REDUCE, per(GROUPS_PER_MARGIN_PAIR)).constants(constants);
+    calls.call(&REDUCE, per(GROUPS_PER_BATCH_PAIR)).constants(constants);
 }

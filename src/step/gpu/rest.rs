@@ -42,6 +42,7 @@ impl GpuStep {
             times: Default::default(),
             work: GpuWork {
                 memory_bytes: self.bytes(),
+                batches: output.work.batches,
                 lists: output.work.lists,
                 ..earlier
             },

@@ -159,38 +159,35 @@ fn pairs_of_balls(apart: f32) -> World {
     world
 }
 
-/// Each pair takes as many collision substeps as its own speed asks for, from the same poses on both sides.
-pub fn groups_as_on_the_cpu() {
-    let mut worlds = both(|| pairs_of_balls(10.0));
-    let mut seen = Vec::new();
-    for step in 0..40 {
+/// The numbers of collision substeps of 40 steps of [`pairs_of_balls`]: the largest and the mean, which are the CPU's from the
+/// same poses.
+fn numbers_as_on_the_cpu(apart: f32) -> Vec<(u32, f32)> {
+    let mut worlds = both(|| pairs_of_balls(apart));
+    let numbers = (0..40).map(|step| {
         worlds.iter_mut().for_each(World::step);
         let [of_cpu, of_gpu] = worlds.each_ref().map(|world| (substeps(world), mean(world)));
         assert_eq!(of_cpu, of_gpu, "step {step}");
-        seen.push(of_gpu);
         let [cpu, gpu] = &mut worlds;
         gpu.state.input.bodies.set_motions(&rows(cpu));
         gpu.place_frames();
-    }
-    println!("{seen:?}");
-    assert!(seen.iter().any(|&(most, mean)| most > 4 && mean < 2.0), "{seen:?}");
+        of_gpu
+    });
+    numbers.collect()
 }
 
-/// The same so near each other that impulses could bring the pairs together: they wait for each other.
+/// Each pair takes as many collision substeps as its own speed asks for.
+pub fn groups_as_on_the_cpu() {
+    let numbers = numbers_as_on_the_cpu(10.0);
+    assert!(
+        numbers.iter().any(|&(most, mean)| most > 4 && mean < 2.0),
+        "{numbers:?}"
+    );
+}
+
+/// Pairs are so near each other that impulses could bring them together: they wait for each other.
 pub fn groups_near_each_other() {
-    let mut worlds = both(|| pairs_of_balls(0.8));
-    let mut means = Vec::new();
-    for step in 0..40 {
-        worlds.iter_mut().for_each(World::step);
-        let [of_cpu, of_gpu] = worlds.each_ref().map(|world| (substeps(world), mean(world)));
-        assert_eq!(of_cpu, of_gpu, "step {step}");
-        means.push(of_gpu.1);
-        let [cpu, gpu] = &mut worlds;
-        gpu.state.input.bodies.set_motions(&rows(cpu));
-        gpu.place_frames();
-    }
-    println!("{means:?}");
-    assert!(means.iter().any(|&mean| mean > 3.0), "{means:?}");
+    let numbers = numbers_as_on_the_cpu(0.8);
+    assert!(numbers.iter().any(|&(_, mean)| mean > 3.0), "{numbers:?}");
 }
 
 /// What falls onto a floor, a half-space and each other, sleeps, and is hit.

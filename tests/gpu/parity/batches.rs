@@ -9,6 +9,7 @@ use crate::oracle::rng::Rng;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::gpu::BatchSize;
+use bevy_faceoff::state::Body;
 use bevy_faceoff::step::StepState;
 use bevy_faceoff::step::gpu::GpuStep;
 use bevy_faceoff::types::gpu_work::GpuWork;
@@ -66,6 +67,33 @@ fn require_same(states: [&StepState; 2], what: &str) {
     one.require(&other, what);
     let [points, others] = states.map(|state| format!("{:?}", state.results.manifolds));
     assert!(points == others, "{what}: contact points differ");
+}
+
+/// Two tori far from a pile fly at each other, so the pile completes its step before them.
+pub fn groups_in_batches(gpu: &Gpu) {
+    let mut scene = pile(Response::Contacts);
+    scene.planes.clear();
+    for side in [-1.0, 1.0] {
+        scene.bodies.push(Body {
+            position: Vec3::new(50.0 + side, 0.0, 0.0),
+            linear_velocity: Vec3::X * (-60.0 * side),
+            ..scene.bodies[0]
+        });
+    }
+    let mut states = [scene.state(), scene.state()];
+    for (state, bytes) in states.iter_mut().zip([256 << 10, 256 << 20]) {
+        in_batches_of(gpu, bytes).run(state).unwrap();
+    }
+    require_same(states.each_ref(), "with groups");
+    let results = &states[0].results;
+    println!(
+        "{} batches; {} collision substeps, {} in the mean",
+        work(&states[0]).batches,
+        results.collision_substeps,
+        results.mean_collision_substeps
+    );
+    assert!(work(&states[0]).batches > 4);
+    assert!(results.collision_substeps > 2 && results.mean_collision_substeps < 2.0);
 }
 
 pub fn a_pile_in_batches(gpu: &Gpu) {

@@ -63,6 +63,7 @@ pub const TESTS: &[Test] = &[
     ("bytes_and_lists_are_counted", work::bytes_and_lists_are_counted),
     ("repetitions_count", work::repetitions_count),
     ("a_pile_in_batches", batches::a_pile_in_batches),
+    ("groups_in_batches", batches::groups_in_batches),
     ("large_meshes_in_batches", batches::large_meshes_in_batches),
     ("batches_become_fewer", batches::batches_become_fewer),
     (
