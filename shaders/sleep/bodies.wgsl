@@ -25,9 +25,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
     } else {
         let slow = speed < collision_substep.sleep_speed;
-        let rest_time = select(0.0, motion_states[i].rest_time + travel_time(body_paces[i]), slow);
+        let dt = travel_time(body_paces[i]);
+        let rest_time = select(0.0, motion_states[i].rest_time + dt, slow);
         motion_states[i].rest_time = rest_time;
-        let ready = asleep || (rest_time >= collision_substep.sleep_time && !forced);
+        // If it woke in this collision substep it may have moved.
+        let was_at_rest = rest_time > dt;
+        let ready = asleep || (was_at_rest && rest_time >= collision_substep.sleep_time && !forced);
         disturbed = disturbed && !ready;
     }
     if disturbed {

@@ -106,7 +106,8 @@ impl Sleeper {
     /// been at rest for [`SolverSettings::sleep_time`].
     ///
     /// A body is at rest if it is slow and overlaps nothing. Speed alone is not enough, because the relax passes remove
-    /// the velocity with which the bias passes push bodies apart.
+    /// the velocity with which the bias passes push bodies apart. A body that was not at rest before this collision substep,
+    /// such as one that woke in it, stays awake until the next: it may have moved, so its contact points must be found anew.
     pub fn settle(&mut self, bodies: &mut SolverBodies, manifolds: &Manifolds, settings: &SolverSettings, dt: f32) {
         self.settle_each(bodies, manifolds, settings, |_| dt);
     }
@@ -136,7 +137,8 @@ impl Sleeper {
         }
         let ready = |bodies: &SolverBodies, i: usize| {
             let (sleep, forces) = (&bodies.sleep[i], &bodies.forces[i]);
-            sleep.asleep || (sleep.rest_time >= settings.sleep_time && forces.is_zero())
+            let was_at_rest = sleep.rest_time > dt(i);
+            sleep.asleep || (was_at_rest && sleep.rest_time >= settings.sleep_time && forces.is_zero())
         };
         if !(0..bodies.len()).any(|i| bodies.bodies[i].has_mass() && !bodies.sleep[i].asleep && ready(bodies, i)) {
             return;

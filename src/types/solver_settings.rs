@@ -91,7 +91,7 @@ pub struct SolverSettings {
     /// 0.001.
     pub sleep_speed: f32,
     /// How long all bodies of an island must be at rest before they sleep, in seconds. Default 0.5: longer than a
-    /// thrown body is slow at the top of its path.
+    /// thrown body is slow at the top of its path. However short, it takes two collision substeps.
     pub sleep_time: f32,
 }
 

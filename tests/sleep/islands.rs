@@ -99,6 +99,19 @@ fn impulses_forces_and_velocities_wake() {
 }
 
 #[test]
+fn what_woke_stays_awake_until_the_next_substep() {
+    let mut world = sleeping_stack();
+    world.settings.sleep_time = 0.0;
+    // It hardly moves, but it moves.
+    world.motion(3).linear_velocity = Vec3::X * 1.0e-3;
+    world.collision_substeps = Some(1);
+    world.step(1);
+    assert_eq!(asleep(&world), [6]);
+    world.step(1);
+    assert_eq!(asleep(&world), ALL);
+}
+
+#[test]
 fn a_stack_wakes_when_its_support_is_taken_away() {
     let mut world = sleeping_stack();
     // The lowest box is moved away.

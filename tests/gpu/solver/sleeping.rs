@@ -103,12 +103,21 @@ pub fn what_else_wakes(gpu: &Gpu) {
         assert_eq!(asleep(&twin.world), [6], "it takes longer to fall asleep");
     }
     let mut twin = sleeping_stack(gpu);
+    twin.world.settings.sleep_time = 0.0;
+    twin.world.collision_substeps = Some(1);
+    twin.world.motion(3).linear_velocity = Vec3::X * 1.0e-3;
+    twin.put();
+    twin.step(1);
+    assert_eq!(asleep(&twin.world), [6], "what woke stays awake until the next collision substep");
+    twin.step(1);
+    assert_eq!(asleep(&twin.world), ALL);
+    let mut twin = sleeping_stack(gpu);
     twin.world.settings.sleeping = false;
     twin.step(1);
     assert_eq!(asleep(&twin.world), [0; 0], "switched off");
 }
 
-/// Bodies that touch at random, some of which are kept awake.
+/// Bodies at rest that touch at random, some of which are kept awake.
 fn web() -> World {
     let mut world = World::new();
     world.settings.sleeping = true;
@@ -117,6 +126,7 @@ fn web() -> World {
     let mut random = fastrand::Rng::with_seed(6);
     for i in 0..3000 {
         world.dynamic(CUBE, 1.0, DVec3::X * f64::from(i));
+        world.bodies.sleep[i as usize].rest_time = 1.0;
         if random.u32(0..100) == 0 {
             world.bodies.forces[i as usize].torque = Vec3::X * 1.0e-6;
         }
