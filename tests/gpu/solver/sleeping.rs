@@ -108,7 +108,11 @@ pub fn what_else_wakes(gpu: &Gpu) {
     twin.world.motion(3).linear_velocity = Vec3::X * 1.0e-3;
     twin.put();
     twin.step(1);
-    assert_eq!(asleep(&twin.world), [6], "what woke stays awake until the next collision substep");
+    assert_eq!(
+        asleep(&twin.world),
+        [6],
+        "what woke stays awake until the next collision substep"
+    );
     twin.step(1);
     assert_eq!(asleep(&twin.world), ALL);
     let mut twin = sleeping_stack(gpu);
