@@ -1,5 +1,5 @@
 // Sleep: moving bodies wake those that they touch or will reach within the collision substep, and kinematic ones keep
-// those awake that they touch. A static body that has changed wakes those on it. One thread per pair.
+// those awake that they touch. A static or kinematic body that has changed wakes those on it. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters}
@@ -65,15 +65,16 @@ fn velocity_at(i: u32, anchor: vec3<f32>) -> vec3<f32> {
     return motion_states[i].linear_velocity + cross(motion_states[i].angular_velocity, anchor);
 }
 
-// Whether a body moves, so that it wakes others.
+// Whether a body moves or has changed, so that it wakes others.
 fn disturbs_others(i: u32) -> bool {
     let kind = solver_bodies[i].flags & t::KIND_MASK;
+    let changed = constants.x == s::WAKE && motion_states[i].asleep == s::CHANGED;
     if kind == t::STATIC {
-        return constants.x == s::WAKE && motion_states[i].asleep == s::CHANGED;
+        return changed;
     }
     let speed = l::speed_of(i);
     if kind == t::KINEMATIC {
-        return speed > 0.0 && (constants.x != s::WAKE || motion_states[i].asleep == 0u);
+        return changed || speed > 0.0;
     }
     // Two islands that come to rest beside each other must not wake each other in turn. Bodies that touch are in the
     // same island.

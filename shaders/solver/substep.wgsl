@@ -294,6 +294,10 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
 #endif
         }
         storageBarrier();
+#ifndef LARGE
+        // For `pass_pairs`, which other threads read.
+        workgroupBarrier();
+#endif
         solve(thread, island, parameters, least, most);
 #ifndef LARGE
         for (var k = range.first + thread; k < range.end; k += THREADS) {

@@ -85,7 +85,7 @@ const INFINITE_LENGTH: f32 = 1.0e29;
 // remainder.
 struct MotionState {
     center: vec3<f32>,
-    // Not 0: the body sleeps. A static body has `CHANGED` until it has woken others.
+    // Not 0: the body sleeps. A static or kinematic body has `CHANGED` until it has woken others.
     asleep: u32,
     center_low: vec3<f32>,
     // How long it has been slow, seconds.

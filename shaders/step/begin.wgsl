@@ -44,7 +44,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let goes_on = stays && (body.carried & t::CARRIED_SLEEP) != 0u;
     let motion = t::Moved(body.position, 0u, body.rotation, body.linear_velocity, 0u, body.angular_velocity, 0u);
     let center = body.scale * meshes[body.mesh].center;
-    let state = state_at_start(host_states[i], known, body.carried, stays, is_static, motion, center);
+    let dynamic = (body.flags & t::KIND_MASK) == t::DYNAMIC;
+    let state = state_at_start(host_states[i], known, body.carried, stays, dynamic, motion, center);
     let rests = all(body.linear_velocity == vec3(0.0)) && all(body.angular_velocity == vec3(0.0));
     body.inactive = select(0u, t::RESTS, goes_on && (is_static || (state.asleep != 0u && rests)));
     bodies[i] = with_speculative_radius(step, with_rounded_center(body));

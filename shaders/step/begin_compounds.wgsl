@@ -34,10 +34,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let w = compound.angular_velocity;
     let here = t::Moved(compound.position, 0u, compound.rotation, v, 0u, w, 0u);
     let host = host_states[compound.collider];
-    let state = state_at_start(host, known, compound.carried, stays, false, here, compound.center);
+    let dynamic = (bodies[compound.collider].flags & t::KIND_MASK) == t::DYNAMIC;
+    let state = state_at_start(host, known, compound.carried, stays, dynamic, here, compound.center);
     let rests = all(v == vec3(0.0)) && all(w == vec3(0.0));
     let goes_on = stays && (compound.carried & t::CARRIED_SLEEP) != 0u;
-    let inactive = select(0u, t::RESTS, goes_on && state.asleep != 0u && rests);
+    let inactive = select(0u, t::RESTS, goes_on && dynamic && state.asleep != 0u && rests);
     let motion = CompoundMotion(
         state.center, state.center_low, rotation_of(state), state.linear_velocity, state.angular_velocity
     );

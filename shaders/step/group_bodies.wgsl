@@ -30,7 +30,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (sweep.flags & t::FAST) == 0u {
         let body = bodies[i].body;
         let state = motion_states[body];
-        if state.asleep != 0u {
+        if state.asleep != 0u && state.asleep != s::CHANGED {
             add_velocity(root, vec3(0.0), 0.0);
         } else {
             add_velocity(root, state.linear_velocity, length(state.angular_velocity) * solver_bodies[body].extent);

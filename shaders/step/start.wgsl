@@ -9,13 +9,13 @@
 
 // `host` is the state that the host knows, `known` that after the last step, and `motion` the present one in single
 // precision. The body `stays` if it continues from the last step and has not moved since. `center` is its centre of mass
-// in its own axes.
+// in its own axes. What is not `dynamic` never sleeps; if it has changed other than by its velocity, it wakes others.
 fn state_at_start(
     host: s::MotionState,
     known: s::MotionState,
     carried: u32,
     stays: bool,
-    is_static: bool,
+    dynamic: bool,
     motion: t::Moved,
     center: vec3<f32>,
 ) -> s::MotionState {
@@ -38,7 +38,7 @@ fn state_at_start(
         state.angular_velocity = motion.angular_velocity;
     }
     let goes_on = stays && (carried & t::CARRIED_SLEEP) != 0u;
-    if is_static {
+    if !dynamic {
         state.asleep = select(s::CHANGED, 0u, goes_on);
     } else if goes_on && (known.asleep == 0u || (carried & t::WOKEN) == 0u) {
         state.asleep = known.asleep;

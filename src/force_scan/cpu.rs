@@ -3,7 +3,7 @@
 use super::impulse::{count_contacts, pair_closes, pair_impulses, plane_impulse, plane_pushes};
 use crate::parallel::in_order::InOrder;
 use crate::parallel::loops;
-use crate::sleep::cpu::{Sleeper, wake_on_changed_static};
+use crate::sleep::cpu::{Sleeper, wake_on_changed_support};
 use crate::solver::{Pace, Solver, SolverBodies, WarmStart};
 use crate::state::inactive::InactiveBodies;
 use crate::state::{Bodies, Contacts, Impulse, Manifolds, Plane, StepConfig};
@@ -105,7 +105,7 @@ pub(crate) fn wake(
     sleeper: &mut Sleeper,
     bodies: &mut SolverBodies,
 ) {
-    wake_on_changed_static(bodies, inactive, manifolds);
+    wake_on_changed_support(bodies, inactive, manifolds);
     let dt = |i: u32| colliders.travel_time_of(i as usize);
     sleeper.wake_each(bodies, manifolds, &config.solver, config.gravity, dt);
 }

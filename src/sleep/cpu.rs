@@ -249,15 +249,17 @@ impl Sleeper {
     }
 }
 
-/// Wakes bodies that touch a static body that has changed.
-pub(crate) fn wake_on_changed_static(bodies: &mut SolverBodies, inactive: &InactiveBodies, manifolds: &Manifolds) {
+/// Wakes bodies that touch a static or kinematic body that has changed.
+pub(crate) fn wake_on_changed_support(bodies: &mut SolverBodies, inactive: &InactiveBodies, manifolds: &Manifolds) {
     for [a, b] in manifolds.pairs.iter().map(|pair| pair.bodies) {
         for (sleeper, support) in [(a, b), (b, a)] {
-            let (sleeper, support) = (bodies.body_of(sleeper) as usize, support as usize);
-            if bodies.sleep[sleeper].asleep
-                && bodies.bodies[support].kind == RigidBody::Static
-                && !inactive.flags[support]
-            {
+            let sleeper = bodies.body_of(sleeper) as usize;
+            let has_changed = match bodies.bodies[support as usize].kind {
+                RigidBody::Static => !inactive.flags[support as usize],
+                RigidBody::Kinematic => inactive.replaced.binary_search(&support).is_ok(),
+                RigidBody::Dynamic => false,
+            };
+            if bodies.sleep[sleeper].asleep && has_changed {
                 bodies.sleep[sleeper] = Default::default();
             }
         }

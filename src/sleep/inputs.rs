@@ -1,7 +1,7 @@
 //! The state of a body, other than its motion, whose change wakes the body or its neighbours.
 
 use crate::state::{Place, StepInput};
-use crate::types::body::RigidBody;
+use crate::types::body::{LockedAxes, RigidBody};
 use glam::{DVec3, Quat, Vec3};
 
 /// The properties of a body whose change wakes it or its neighbours.
@@ -15,6 +15,8 @@ pub(crate) struct SleepInputs {
     pub scale: Vec3,
     pub layers: [u32; 2],
     pub sensor: bool,
+    pub gravity_scale: f32,
+    pub locked_axes: LockedAxes,
 }
 
 /// These properties and the pose: that of the body and, in a body of several colliders, the place of the collider and the
@@ -39,6 +41,8 @@ impl SleepInputs {
             scale: bodies.scale[i],
             layers: [bodies.layers[i].memberships, bodies.layers[i].filters],
             sensor: bodies.sensor[i],
+            gravity_scale: bodies.gravity_scale[i],
+            locked_axes: bodies.params[i].locked_axes,
         }
     }
 }

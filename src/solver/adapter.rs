@@ -4,7 +4,7 @@ use super::bodies::SolverPart;
 use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use crate::state::fault::MAX_SPEED;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, Plane};
+use crate::state::{Bodies, Compound, Plane};
 use crate::types::body::{ExternalForces, RigidBody};
 use glam::{DMat3, Mat3};
 
@@ -20,37 +20,8 @@ impl SolverBodies {
     pub fn read(&mut self, bodies: &Bodies, planes: &[Plane], keys: &[u64]) {
         self.clear();
         for (i, &key) in keys[..bodies.len()].iter().enumerate() {
-            let frame = &bodies.frame[i];
-            let params = &bodies.params[i];
-            let body = SolverBody {
-                kind: bodies.kind[i],
-                inverse_mass: bodies.inverse_mass[i],
-                inverse_inertia: bodies.local_inverse_inertia[i],
-                radius: bodies.unpadded_radius[i],
-                extent: bodies.unpadded_radius[i],
-                thickness: bodies.thickness[i],
-                restitution: bodies.restitution[i],
-                restitution_combine: params.restitution_combine,
-                friction: params.friction.coefficient,
-                friction_combine: params.friction.combine,
-                gravity_scale: bodies.gravity_scale[i],
-                linear_damping: params.linear_damping,
-                angular_damping: params.angular_damping,
-                // Gravity, forces and impulses may accelerate a body without end.
-                max_linear_speed: params.max_linear_speed.min(MAX_SPEED),
-                max_angular_speed: params.max_angular_speed.min(MAX_SPEED),
-                locked_axes: params.locked_axes,
-                solid: !bodies.sensor[i],
-                continuous: params.continuous,
-            };
-            let motion = SolverMotion {
-                center: frame.center,
-                rotation: bodies.rotation[i].as_dquat().normalize(),
-                linear_velocity: bodies.linear_velocity[i],
-                angular_velocity: bodies.angular_velocity[i],
-            };
-            let number = self.push(key, body, motion);
-            self.forces[number as usize] = params.forces;
+            let number = self.push(key, collider_of(bodies, i), collider_motion(bodies, i));
+            self.forces[number as usize] = bodies.params[i].forces;
         }
         self.read_compounds(bodies);
         for (i, plane) in planes.iter().enumerate() {
@@ -85,14 +56,7 @@ impl SolverBodies {
         }
         for compound in &bodies.compounds {
             let i = compound.number as usize;
-            self.bodies[i].inverse_inertia = compound.local_inverse_inertia;
-            self.bodies[i].extent = compound.radius;
-            self.motions[i] = SolverMotion {
-                center: compound.center,
-                rotation: compound.rotation,
-                linear_velocity: compound.motion.linear_velocity,
-                angular_velocity: compound.motion.angular_velocity,
-            };
+            (self.bodies[i], self.motions[i]) = (properties_of(bodies, i), motion_of(bodies, i));
         }
     }
 
@@ -133,5 +97,71 @@ impl SolverBodies {
                 bodies.rotation[i] = motion.rotation.as_quat();
             }
         }
+    }
+}
+
+/// Properties of the body with the number `i`.
+pub(super) fn properties_of(bodies: &Bodies, i: usize) -> SolverBody {
+    let own = collider_of(bodies, i);
+    match compound_of(bodies, i) {
+        None => own,
+        Some(compound) => SolverBody {
+            inverse_inertia: compound.local_inverse_inertia,
+            extent: compound.radius,
+            ..own
+        },
+    }
+}
+
+/// Motion of the body with the number `i`.
+pub(super) fn motion_of(bodies: &Bodies, i: usize) -> SolverMotion {
+    match compound_of(bodies, i) {
+        None => collider_motion(bodies, i),
+        Some(compound) => SolverMotion {
+            center: compound.center,
+            rotation: compound.rotation,
+            linear_velocity: compound.motion.linear_velocity,
+            angular_velocity: compound.motion.angular_velocity,
+        },
+    }
+}
+
+fn compound_of(bodies: &Bodies, i: usize) -> Option<&Compound> {
+    let part = bodies.part(i as u32)?;
+    Some(&bodies.compounds[part.compound as usize])
+}
+
+/// Properties of collider `i`, as if it were a body of its own.
+fn collider_of(bodies: &Bodies, i: usize) -> SolverBody {
+    let params = &bodies.params[i];
+    SolverBody {
+        kind: bodies.kind[i],
+        inverse_mass: bodies.inverse_mass[i],
+        inverse_inertia: bodies.local_inverse_inertia[i],
+        radius: bodies.unpadded_radius[i],
+        extent: bodies.unpadded_radius[i],
+        thickness: bodies.thickness[i],
+        restitution: bodies.restitution[i],
+        restitution_combine: params.restitution_combine,
+        friction: params.friction.coefficient,
+        friction_combine: params.friction.combine,
+        gravity_scale: bodies.gravity_scale[i],
+        linear_damping: params.linear_damping,
+        angular_damping: params.angular_damping,
+        // Gravity, forces and impulses may accelerate a body without end.
+        max_linear_speed: params.max_linear_speed.min(MAX_SPEED),
+        max_angular_speed: params.max_angular_speed.min(MAX_SPEED),
+        locked_axes: params.locked_axes,
+        solid: !bodies.sensor[i],
+        continuous: params.continuous,
+    }
+}
+
+fn collider_motion(bodies: &Bodies, i: usize) -> SolverMotion {
+    SolverMotion {
+        center: bodies.frame[i].center,
+        rotation: bodies.rotation[i].as_dquat().normalize(),
+        linear_velocity: bodies.linear_velocity[i],
+        angular_velocity: bodies.angular_velocity[i],
     }
 }

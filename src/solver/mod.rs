@@ -20,6 +20,7 @@
 //! |---|---|
 //! | `adapter` | conversion between the step's bodies and the solver's |
 //! | [`bodies`] | the solver's bodies: properties, motion, forces |
+//! | [`impulses`] | external impulses, at the beginning of a step |
 //! | [`speeds`] | bounds on relative speeds, and the number of collision substeps |
 //! | `islands` | sets of bodies that contacts connect |
 //! | `motion` | velocities and poses of bodies during a collision substep, and their integration |
@@ -60,6 +61,7 @@ mod friction;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod group;
+mod impulses;
 mod islands;
 mod load;
 #[cfg(feature = "bevy")]
@@ -82,6 +84,7 @@ pub mod warm_start;
 #[cfg(any(feature = "bevy", feature = "gpu"))]
 pub(crate) use adapter::PLANE_KEY;
 pub use bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
+pub use impulses::apply_impulses;
 pub use pace::Pace;
 pub use warm_start::WarmStart;
 

@@ -4,6 +4,7 @@ use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use super::body_constants::{BodyConstants, rotated};
 use super::islands::Mobility;
 use super::pace::Pace;
+use crate::types::body::ExternalForces;
 use glam::{DQuat, Mat3A, Quat, Vec3, Vec3A};
 use std::ops::Range;
 
@@ -126,13 +127,7 @@ impl<'a> StatesMut<'a> {
                 mass.inverse_mass = (properties.inverse_mass * linear).into();
                 mass.inverse_inertia = constants.inverse_inertia(constants.initial_rotation).into();
             }
-            let mut next = velocity;
-            next.apply_impulse(&mass, forces.impulse.into(), forces.angular_impulse.into());
-            next.linear *= Vec3A::from(linear);
-            next.angular *= Vec3A::from(angular);
-            if next.is_finite() {
-                velocity = next;
-            }
+            velocity = velocity.after_impulses(&mass, forces, [linear, angular]);
         }
         self.velocities[slot] = velocity;
         self.masses[slot] = mass;
@@ -228,6 +223,15 @@ impl Velocity {
         self.angular += mass.inverse_inertia * angular;
     }
 
+    /// The velocity along the `free` axes after external impulses; this one if that is not finite.
+    fn after_impulses(self, mass: &Mass, forces: &ExternalForces, free: [Vec3; 2]) -> Self {
+        let mut next = self;
+        next.apply_impulse(mass, forces.impulse.into(), forces.angular_impulse.into());
+        next.linear *= Vec3A::from(free[0]);
+        next.angular *= Vec3A::from(free[1]);
+        if next.is_finite() { next } else { self }
+    }
+
     pub fn is_finite(&self) -> bool {
         self.linear.is_finite() && self.angular.is_finite()
     }
@@ -256,6 +260,33 @@ pub(super) fn unit(rotation: DQuat) -> Quat {
     } else {
         Quat::IDENTITY
     }
+}
+
+/// The linear and angular velocity of a body after external impulses; `None` if these do not move it.
+pub(super) fn velocity_after(body: &SolverBody, motion: &SolverMotion, impulses: &ExternalForces) -> Option<[Vec3; 2]> {
+    if !body.has_mass() || !motion.is_finite() {
+        return None;
+    }
+    let constants = BodyConstants::new(
+        body,
+        impulses,
+        unit(motion.rotation),
+        Mobility::Movable,
+        Vec3::ZERO,
+        0.0,
+    );
+    let free = [body.locked_axes.free_translation(), body.locked_axes.free_rotation()];
+    let mass = Mass {
+        inverse_mass: (body.inverse_mass * free[0]).into(),
+        inverse_inertia: constants.inverse_inertia(constants.initial_rotation).into(),
+    };
+    let before = Velocity {
+        linear: motion.linear_velocity.into(),
+        angular: motion.angular_velocity.into(),
+    };
+    let mut after = before.after_impulses(&mass, impulses, free);
+    after.limit(&constants);
+    Some([after.linear.into(), after.angular.into()])
 }
 
 /// What can change the velocity and the pose of a body.

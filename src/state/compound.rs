@@ -186,6 +186,18 @@ impl Bodies {
         self.body_of(i as u32) == i as u32
     }
 
+    /// Sets the linear and the angular velocity of the body with the number `i`.
+    pub(crate) fn set_velocity(&mut self, i: usize, [linear, angular]: [Vec3; 2]) {
+        match self.part(i as u32).map(|part| part.compound as usize) {
+            Some(compound) => {
+                let compound = &mut self.compounds[compound];
+                compound.set(compound.center, compound.rotation, linear, angular);
+                self.place_parts(0..self.parts.len());
+            }
+            None => (self.linear_velocity[i], self.angular_velocity[i]) = (linear, angular),
+        }
+    }
+
     /// Pose and velocities of the body with the number `i`.
     pub fn body_motion(&self, i: usize) -> Motion {
         match self.compound_of(i as u32) {

@@ -11,6 +11,9 @@ pub(crate) struct InactiveBodies {
     pub flags: Vec<bool>,
     /// Whether any body sleeps or has completed its step.
     pub any: bool,
+    /// Kinematic bodies that have changed since the last step other than by their velocity: they have another place, shape or
+    /// layers. What sleeps on them must wake.
+    pub replaced: Vec<u32>,
     /// New index of each body of the last collision substep, or [`GONE`]; empty if all indices are unchanged.
     pub numbers: Vec<u32>,
 }
@@ -19,6 +22,7 @@ impl InactiveBodies {
     /// Forgets everything: no pair is inactive.
     pub fn clear(&mut self) {
         self.flags.clear();
+        self.replaced.clear();
         self.numbers.clear();
         self.any = false;
     }
@@ -50,6 +54,7 @@ impl InactiveBodies {
     /// completed its step becomes inactive.
     pub fn advance(&mut self, has_completed: impl Fn(usize) -> bool, is_fixed: impl Fn(usize) -> bool) {
         self.numbers.clear();
+        self.replaced.clear();
         let completed = (0..self.flags.len()).any(|i| has_completed(i) && !is_fixed(i));
         if completed {
             self.any = true;

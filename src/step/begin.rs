@@ -2,6 +2,7 @@
 
 use super::memory::StepMemory;
 use super::scratch::StepScratch;
+use crate::solver::apply_impulses;
 use crate::solver::speeds::Speeds;
 use crate::state::crowd::Crowd;
 use crate::state::margins::SpeculativeMargins;
@@ -26,6 +27,7 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
         }
         Response::None => SpeculativeMargins::AtRest,
         Response::Contacts => {
+            apply_impulses(&mut input.bodies, |_, _| true, |_, _, _| {});
             let speeds = load_bodies(input, memory, scratch);
             let drift = speeds.drift();
             let config = input.config;

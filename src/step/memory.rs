@@ -82,6 +82,9 @@ impl StepMemory {
             inactive.flags[i] =
                 same && (bodies.kind[i] == RigidBody::Static || (sleep.asleep && at_rest && forces.is_zero()));
             inactive.any |= sleep.asleep;
+            if bodies.kind[i] == RigidBody::Kinematic && !same {
+                inactive.replaced.push(i as u32);
+            }
         }
         wake_whole_bodies(solver_bodies, &mut inactive.flags);
         let same_planes = self.planes == *planes;

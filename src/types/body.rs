@@ -136,8 +136,8 @@ impl ComputedCenterOfMass {
 ///
 /// A body wakes, together with its island, when
 /// * it is moved, touched, or given a velocity, a force or an impulse,
-/// * a body that it touches moves or is removed,
-/// * its shape or [`Gravity`](crate::plugin::settings::Gravity) changes,
+/// * a body that it touches moves, changes its shape or is removed,
+/// * its shape, its [`GravityScale`](crate::plugin::components::GravityScale), its [`LockedAxes`] or [`Gravity`](crate::plugin::settings::Gravity) changes,
 /// * this component is set to false. Setting it to true has no effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(

@@ -27,9 +27,10 @@ mod sensors;
 mod snapshots;
 mod spatial_queries;
 mod stable_keys;
+mod sudden;
 mod warnings;
 
-/// `bakes`, `character`, `compounds`, `contacts`, `driven`, `hooks`, `sensors` and `spatial_queries` have no tests but functions: some of them are tests
+/// `bakes`, `character`, `compounds`, `contacts`, `driven`, `hooks`, `sensors`, `spatial_queries` and `sudden` have no tests but functions: some of them are tests
 /// on a GPU too.
 macro_rules! tests_of {
     ($module:ident as $tests:ident: $($name:ident)*) => {
@@ -106,6 +107,15 @@ tests_of! {
     a_mirrored_sheared_wall_pushes_outward
     a_snapshot_of_a_nested_hammer_repeats_to_the_bit
     a_body_without_colliders_of_its_own_waits_for_its_children
+}
+
+tests_of! {
+    sudden as sudden_on_the_cpu:
+    a_bullet_that_an_impulse_fires_does_not_pass_a_plate
+    an_impulse_counts_for_collision_substeps
+    an_impulse_into_a_sleeper_moves_it
+    a_sleeper_wakes_when_what_carries_it_is_replaced
+    a_sleeper_wakes_when_its_gravity_or_its_locks_change
 }
 
 tests_of! {

@@ -292,6 +292,9 @@ impl Step {
         if stage != Stage::BroadPhase {
             return self.engine.is_latent();
         }
+        if self.state.input.config.response == Response::Contacts {
+            self.latent.apply_impulses(&mut self.state.input.bodies);
+        }
         while let Some(detail) = self.engine.latent() {
             self.state.scratch.age(&mut self.state.results);
             let carried = &self.latent.carried;

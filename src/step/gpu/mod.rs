@@ -52,10 +52,12 @@ use crate::gpu::program::{Population, Program};
 use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::gpu::timer::Timer;
 use crate::manifolds::gpu::BatchSize;
+use crate::solver::apply_impulses;
 use crate::solver::speeds::Speeds;
 use crate::state::Motion;
 use crate::step::StepState;
 use crate::types::gpu_work::GpuWork;
+use crate::types::settings::Response;
 use contact_programs::ContactPrograms;
 use flight::Flight;
 pub use poses::Poses;
@@ -260,10 +262,14 @@ impl GpuStep {
     /// Call [`GpuStep::forget`] before stepping another world.
     ///
     /// # Errors
-    /// If the device cannot hold the lists, or fails. `state` is then unchanged.
+    /// If the device cannot hold the lists, or fails. `state` is then unchanged, but that external impulses have become
+    /// velocities.
     pub fn run(&mut self, state: &mut StepState) -> Result<(), StepError> {
         if self.in_flight() > 0 {
             self.forget();
+        }
+        if state.input.config.response == Response::Contacts {
+            apply_impulses(&mut state.input.bodies, |_, _| true, |_, _, _| {});
         }
         self.submit(&state.input, &[], Detail::All)?;
         if let Some(output) = self.take() {

@@ -133,7 +133,7 @@ impl LastBodies {
             let Some(before) = before else { continue };
             remap.new_numbers[before as usize] = i as u32;
             let params = &bodies.params[i];
-            let sleeps = params.can_sleep && same_gravity || bodies.kind[i] == RigidBody::Static;
+            let sleeps = params.can_sleep && same_gravity || bodies.kind[i] != RigidBody::Dynamic;
             // Another scale or mesh may move the centre of mass.
             let (now, then) = (&sleep_inputs[i], &self.sleep_inputs[before as usize]);
             let single = self.part(before).is_none() && bodies.part(i as u32).is_none();
@@ -236,7 +236,8 @@ impl LastBodies {
                 let same_inputs = sleep_inputs[i] == self.sleep_inputs[last.collider as usize];
                 self.len() as u32 + last.compound == compound.row && last.place == part.place && same_inputs
             });
-            if !(same && same_gravity && bodies.params[i].can_sleep) {
+            let sleeps = bodies.params[i].can_sleep && same_gravity || bodies.kind[i] != RigidBody::Dynamic;
+            if !(same && sleeps) {
                 compound.carried &= !CARRIED_SLEEP;
             }
             compound.carried |= if bodies.params[i].woken { WOKEN } else { 0 };

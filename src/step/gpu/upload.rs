@@ -95,6 +95,11 @@ impl CarriedVector {
         added: Vec3::splat(-0.0),
     };
 
+    /// Adds a change to what carries over.
+    pub fn add(&mut self, change: Vec3) {
+        self.added = Vec3::select(self.axes, self.added + change, self.added);
+    }
+
     /// The value for the device.
     pub fn sent(&self, own: Vec3) -> Vec3 {
         Vec3::select(self.axes, self.added, own)
@@ -169,8 +174,10 @@ impl Input {
     /// `has_fast_bodies`.
     pub(super) fn with_solver(mut self, solver: SolverInput, has_fast_bodies: bool) -> Self {
         self.step.has_fast_bodies = has_fast_bodies.into();
-        for &i in solver.fast() {
-            self.bodies[i as usize].flags |= FAST;
+        for body in &mut self.bodies {
+            if solver.fast().binary_search(&body.body).is_ok() {
+                body.flags |= FAST;
+            }
         }
         self.step.travel_scale = SAFETY;
         self.step.drift = solver.drift.to_array();

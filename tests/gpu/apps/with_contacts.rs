@@ -23,6 +23,8 @@ mod spatial_queries;
 #[path = "../../plugin/stable_keys.rs"]
 #[allow(dead_code)]
 mod stable_keys;
+#[path = "../../plugin/sudden.rs"]
+mod sudden;
 
 use crate::app::{ON_GPU, STEP, Sim, resting, sorted};
 use crate::gpu::Test;
@@ -58,6 +60,11 @@ macro_rules! tests {
 }
 
 pub const TESTS: &[Test] = &tests! {
+    a_bullet_that_an_impulse_fires_does_not_pass_a_plate: sudden::a_bullet_that_an_impulse_fires_does_not_pass_a_plate();
+    an_impulse_counts_for_collision_substeps: sudden::an_impulse_counts_for_collision_substeps();
+    an_impulse_into_a_sleeper_moves_it: sudden::an_impulse_into_a_sleeper_moves_it();
+    a_sleeper_wakes_when_what_carries_it_is_replaced: sudden::a_sleeper_wakes_when_what_carries_it_is_replaced();
+    a_sleeper_wakes_when_its_gravity_or_its_locks_change: sudden::a_sleeper_wakes_when_its_gravity_or_its_locks_change();
     what_lies_still_falls_asleep: contacts::what_lies_still_falls_asleep_and_does_not_move_at_all();
     a_sleeper_wakes_when_the_mesh_under_it_goes: contacts::a_sleeper_wakes_when_the_mesh_under_it_goes();
     who_may_not_sleep_does_not: contacts::who_may_not_sleep_does_not();
