@@ -236,9 +236,12 @@ impl Snapshot {
         }
     }
 
-    /// Sorts the lists that are searched.
+    /// Sorts the lists that are searched, and the two halves of each pair.
     fn sort(&mut self) {
         self.asleep.sort_unstable();
+        for touching in &mut self.touching {
+            *touching = touching.ordered();
+        }
         self.touching.sort_unstable_by_key(|touching| touching.pair);
         self.touching.dedup_by_key(|touching| touching.pair);
     }

@@ -132,6 +132,15 @@ impl Touching {
         self.pair.map(|id| id.entity)
     }
 
+    /// The same with its pair in ascending order.
+    pub fn ordered(mut self) -> Self {
+        if self.pair[0] > self.pair[1] {
+            self.pair.reverse();
+            self.bodies.reverse();
+        }
+        self
+    }
+
     /// Whether both are the same collision. A collider that became part of another body begins to touch anew.
     pub fn is_same(&self, other: &Self) -> bool {
         (self.pair, self.bodies) == (other.pair, other.bodies)

@@ -228,16 +228,12 @@ pub(crate) fn publish(
     let planes = contacts.planes.iter().map(|c| {
         let plane = results.planes.keyed(c.plane as usize);
         let (collider, body) = (results.entities.keyed(c.body as usize), results.bodies[c.body as usize]);
-        let first = collider < plane;
-        Touching {
-            pair: if first { [collider, plane] } else { [plane, collider] },
-            bodies: if first {
-                [body, plane.entity]
-            } else {
-                [plane.entity, body]
-            },
+        let touching = Touching {
+            pair: [collider, plane],
+            bodies: [body, plane.entity],
             left: hold,
-        }
+        };
+        touching.ordered()
     });
     let touching = &mut step.touching_now;
     touching.clear();
