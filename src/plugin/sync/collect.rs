@@ -338,6 +338,7 @@ impl Reader<'_, '_> {
             center,
             stretch: posed.stretch,
             surface,
+            number: None,
             compound: None,
         });
         if let Some(MeshCollider(mesh)) = own {
