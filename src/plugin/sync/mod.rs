@@ -319,6 +319,19 @@ impl Step {
         false
     }
 
+    /// Whether a body was in the step that ran last, even if its results come later. To be asked before they are published.
+    pub fn has_run(&self, body: Entity) -> bool {
+        if let Some(assembly) = self.assembly(body) {
+            return assembly.number.is_some();
+        }
+        #[cfg(feature = "gpu")]
+        if self.engine.is_latent() {
+            return self.latent.contains(body);
+        }
+        let results = self.results.as_ref();
+        results.is_some_and(|results| results.entities.number_of(body).is_some())
+    }
+
     /// Waits for the results of the oldest pending step. Returns false if there is none.
     pub fn land(&mut self) -> bool {
         #[cfg(feature = "gpu")]

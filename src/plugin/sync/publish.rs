@@ -13,14 +13,15 @@ use crate::types::body::*;
 use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
-/// Sets external impulses to zero, because they act once.
-pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut ExternalForces>) {
+/// Sets external impulses to zero, because they act once. Those of bodies that were not in the step, for example because their
+/// mesh is not loaded yet, wait for their first one.
+pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<(Entity, &mut ExternalForces)>) {
     if !step.engine.runs() {
         return;
     }
     // Even if results come later, the step has read the impulses.
-    for mut forces in &mut acted_on {
-        if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
+    for (entity, mut forces) in &mut acted_on {
+        if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) && step.has_run(entity) {
             (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
         }
     }
