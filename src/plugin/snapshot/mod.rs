@@ -4,6 +4,7 @@ mod map;
 mod plain;
 
 use crate::manifolds::Manifolds;
+use crate::plugin::character::CharacterGround;
 use crate::plugin::components::MeshCollider;
 use crate::plugin::sync::driven::DrivenBodies;
 use crate::plugin::sync::hierarchy::{NestedBodies, world_above};
@@ -147,6 +148,10 @@ impl Snapshot {
 
     /// Restores the state of all bodies. Pending results of later steps are dropped. Bodies that were spawned since
     /// then keep their state. Returns the bodies that no longer exist.
+    ///
+    /// Of a [`Character`](crate::plugin::character::Character) the snapshot has the pose only if it is a body, and nothing
+    /// else. Each of them looks for its ground anew in the next step. To have it go on from where it was, insert the
+    /// `Transform`, `Character` and [`CharacterGround`] that it had then, after this.
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         let mut gone = Vec::new();
         for (&entity, motion) in &self.bodies {
@@ -172,6 +177,7 @@ impl Snapshot {
             }
         }
         self.restore_nested(world);
+        forget_grounds(world);
         // These poses are those of a step. What others write from now on places bodies.
         let written_at = world.increment_change_tick();
         if let Some(mut step) = world.get_resource_mut::<Step>() {
@@ -249,6 +255,13 @@ impl Snapshot {
     /// The bodies with pose and velocities, in the order of entities.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = (Entity, &Motion)> {
         self.bodies.iter().map(|(&entity, motion)| (entity, motion))
+    }
+}
+
+/// Characters find their ground again in the next step. The one that they have would carry them along to where it was.
+fn forget_grounds(world: &mut World) {
+    for mut ground in world.query::<&mut CharacterGround>().iter_mut(world) {
+        ground.set_if_neq(CharacterGround::default());
     }
 }
 
