@@ -91,6 +91,9 @@ pub struct Snapshot {
 impl Snapshot {
     /// The state after the last step. It waits for pending results of a GPU: with
     /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) the snapshot is ahead of the components.
+    ///
+    /// If bodies are interpolated, call it in fixed time, for example in `FixedLast`, because in `Update` it would have the poses
+    /// that are drawn.
     pub fn take(world: &mut World) -> Self {
         let mut bodies: BTreeMap<Entity, Motion> = world
             .query_filtered::<(
