@@ -12,8 +12,9 @@ use bevy::prelude::*;
 /// this set. A run condition on the set enables or disables the steps. In `RunFixedMainLoop` the set holds what publishes
 /// results that are late while time stands still.
 ///
-/// `world.run_schedule(FaceoffStep)` runs one step at once, at any place. Such a step has the length of the fixed
-/// timestep, even if a clock is paused. It waits for the results of a GPU and publishes them, whatever the
+/// `world.run_schedule(FaceoffStep)` runs one step at once, at any place. If bodies are interpolated, call it in fixed time, for
+/// example in `FixedPostUpdate`, because in `Update` it would start from the poses that are drawn. Such a step has the length of
+/// the fixed timestep, even if a clock is paused. It waits for the results of a GPU and publishes them, whatever the
 /// [`Readback`](super::settings::Readback). It does nothing while [`ActiveBackend`](super::backend::ActiveBackend) is
 /// neither `Cpu` nor `Gpu`.
 #[derive(ScheduleLabel, SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]

@@ -42,6 +42,50 @@ fn a_mesh_collider_alone_is_static() {
     assert!(sim.app.world().get::<LinearVelocity>(ground).is_none());
 }
 
+/// Neither bodies nor questions find a plane that is disabled.
+#[test]
+fn a_disabled_plane_is_not_there() {
+    fn is_hit(sim: &mut Sim, plane: Entity) -> bool {
+        let ray = |world: SpatialQuery| {
+            let start = Vec3::new(20.0, 3.0, 0.0);
+            world.cast_ray(start, Dir3::NEG_Y, 9.0, &SpatialQueryFilter::default())
+        };
+        let hit = sim.world().run_system_cached(ray).unwrap();
+        assert!(hit.is_none_or(|hit| hit.collider == plane));
+        hit.is_some()
+    }
+    for response in [Response::Contacts, Response::Impulse] {
+        let mut sim = Sim::new().exact();
+        sim.world().insert_resource(response);
+        sim.world().insert_resource(Gravity::default());
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let plane = sim.spawn((PlaneCollider::default(), ColliderDisabled));
+        let body = sim.spawn(resting(&cube, Vec3::Y * 0.499));
+        // From here on there is somebody who asks.
+        is_hit(&mut sim, plane);
+        sim.step(16);
+        assert!(!is_hit(&mut sim, plane));
+        assert!(sim.position(body).y < 0.3);
+        assert_eq!((sim.started.len(), sim.report().touching_pairs), (0, 0));
+
+        sim.world().entity_mut(plane).remove::<ColliderDisabled>();
+        sim.set(body, (Transform::from_xyz(0.0, 0.499, 0.0), LinearVelocity::default()));
+        sim.step(128);
+        assert!(is_hit(&mut sim, plane) && !sim.started.is_empty(), "{response:?}");
+        assert!(sim.position(body).y > 0.4, "{response:?}");
+        if response == Response::Contacts {
+            assert!(sim.touch(plane, body) && sim.get::<Sleeping>(body).0);
+        }
+
+        // Who sleeps on it wakes.
+        sim.set(plane, ColliderDisabled);
+        sim.step(16);
+        assert!(!is_hit(&mut sim, plane));
+        assert!(sim.position(body).y < 0.4, "{response:?}");
+        assert_eq!(sim.started.len(), sim.ended.len());
+    }
+}
+
 #[test]
 fn a_static_body_does_not_move_whatever_its_velocity() {
     let mut sim = Sim::new();

@@ -121,6 +121,53 @@ fn a_body_that_rests_is_not_marked_as_changed() {
     assert_eq!(sim.world().resource::<Changes>().0, 4);
 }
 
+/// A grenade is thrown before its mesh is loaded.
+#[test]
+fn an_impulse_waits_for_the_first_step_of_its_body() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let to_come = sim.world().resource::<Assets<CollisionMesh>>().reserve_handle();
+    let push = ExternalForces {
+        impulse: Vec3::X * 6.0,
+        angular_impulse: Vec3::Y,
+        ..default()
+    };
+    let mut thrown = |z: f32| sim.spawn((RigidBody::Dynamic, Mass(2.0), push, Transform::from_xyz(0.0, 0.0, z)));
+    let [bare, parent, disabled, loading, rejected] = [0.0, 5.0, 10.0, 15.0, 20.0].map(&mut thrown);
+    sim.set(disabled, (cube.clone(), RigidBodyDisabled));
+    sim.set(loading, MeshCollider(to_come.clone()));
+    sim.set(rejected, (cube.clone(), Mass(f32::NAN)));
+    let bodies = [bare, parent, disabled, loading, rejected];
+    sim.step(5);
+    for body in bodies {
+        assert_eq!(sim.get::<ExternalForces>(body), push);
+        assert_eq!(sim.velocity(body), Vec3::ZERO);
+    }
+    sim.set(bare, cube.clone());
+    sim.spawn((cube.clone(), ChildOf(parent)));
+    sim.world().entity_mut(disabled).remove::<RigidBodyDisabled>();
+    sim.set(rejected, Mass(2.0));
+    let mesh = CollisionMesh::new(&shapes::cube(1.0));
+    let mut meshes = sim.world().resource_mut::<Assets<CollisionMesh>>();
+    meshes.insert(&to_come, mesh).unwrap();
+    for steps in [1, 5] {
+        sim.step(steps);
+        for (number, body) in bodies.into_iter().enumerate() {
+            assert_near(sim.velocity(body), Vec3::X * 3.0, 1e-4);
+            assert_near(sim.spin(body), Vec3::Y * 3.0, 1e-3);
+            assert_eq!(sim.get::<ExternalForces>(body), ExternalForces::default(), "{number}");
+        }
+    }
+    // It is used up in the same step from then on, of a body that does not move too.
+    sim.set(bare, (RigidBody::Static, push));
+    sim.set(parent, push);
+    sim.step(1);
+    assert_near(sim.velocity(parent), Vec3::X * 6.0, 1e-4);
+    for body in [bare, parent] {
+        assert_eq!(sim.get::<ExternalForces>(body), ExternalForces::default());
+    }
+}
+
 #[test]
 fn users_may_teleport_a_body_and_set_its_velocity_between_steps() {
     let mut sim = Sim::new();

@@ -1,6 +1,6 @@
 //! Snapshots that are written and read: they continue to the bit, also in another world, and damaged ones do no harm.
 
-use crate::app::{Sim, ball_like, resting};
+use crate::app::{Sim, assert_near, ball_like, resting};
 use crate::stable_keys::{Named, Order};
 use bevy::ecs::entity::{EntityHashMap, MapEntities};
 use bevy::prelude::*;
@@ -102,6 +102,45 @@ fn a_snapshot_continues_in_another_world_without_keys() {
     assert_ne!(snapshot, before);
     snapshot.map_entities(&mut map(&other, &one));
     assert_eq!(snapshot, before);
+}
+
+/// A cube on another one on a plane, spawned in this order or in the opposite one. Returns them from below.
+fn stack(upwards: bool) -> (Sim, [Entity; 3]) {
+    let mut sim = Sim::new();
+    sim.world().insert_resource(Gravity::default());
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let mut stack = [Entity::PLACEHOLDER; 3];
+    let order = if upwards { [0, 1, 2] } else { [2, 1, 0] };
+    for level in order {
+        stack[level] = match level {
+            0 => sim.spawn(PlaneCollider::default()),
+            _ => sim.spawn(resting(&cube, Vec3::Y * (level as f32 - 0.5))),
+        };
+    }
+    (sim, stack)
+}
+
+/// Bodies that touch go on to touch where their entities, and so the two halves of each pair, come in the other order.
+#[test]
+fn nothing_is_told_of_what_touches_before_and_after_a_snapshot_was_mapped() {
+    for steps in [20, 200] {
+        let (mut one, before) = stack(true);
+        one.step(steps);
+        assert_eq!(one.touching().len(), 2, "after {steps} steps");
+        let mut snapshot = Snapshot::take(one.world());
+        let (mut other, after) = stack(false);
+        for pair in [0, 1] {
+            let ascends = |stack: &[Entity; 3]| stack[pair] < stack[pair + 1];
+            assert_ne!(ascends(&before), ascends(&after));
+        }
+        let mut map: EntityHashMap<Entity> = before.into_iter().zip(after).collect();
+        snapshot.map_entities(&mut map);
+        assert_eq!(through_text(&snapshot), snapshot);
+        assert_eq!(snapshot.restore(other.world()), []);
+        other.step(30);
+        assert_eq!(other.touching().len(), 2, "after {steps} steps");
+        assert_eq!((other.started, other.ended), (vec![], vec![]), "after {steps} steps");
+    }
 }
 
 /// A collision that has not ended yet ends in the same step as without a snapshot.
@@ -254,6 +293,45 @@ fn damage(mut value: &mut Value, random: &mut fastrand::Rng) {
                 return;
             }
         }
+    }
+}
+
+/// Its platform goes back by the way of seconds. It is not carried along, whether the snapshot or the game puts it back.
+#[test]
+fn a_character_stands_on_its_platform_again_after_a_snapshot() {
+    for is_body in [true, false] {
+        let mut sim = Sim::new();
+        sim.world().insert_resource(Gravity::default());
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let platform = sim.spawn((
+            RigidBody::Kinematic,
+            cube,
+            Transform::from_xyz(0.0, -0.5, 0.0).with_scale(Vec3::new(9.0, 1.0, 9.0)),
+            LinearVelocity(Vec3::new(0.5, 0.25, 0.0)),
+        ));
+        let character = sim.spawn((Character::new(0.3, 0.5), Transform::from_xyz(0.5, 0.81, 0.0)));
+        if is_body {
+            sim.set(character, RigidBody::Kinematic);
+        }
+        sim.step(64);
+        let (at, ground) = (sim.position(character), sim.get::<CharacterGround>(character));
+        assert_eq!(ground.unwrap().collider, platform);
+        let snapshot = Snapshot::take(sim.world());
+        sim.step(192);
+        assert!(sim.position(character).distance(at) > 1.5);
+        snapshot.restore(sim.world());
+        if !is_body {
+            sim.set(character, Transform::from_translation(at));
+        }
+        sim.step(1);
+        // The platform goes on by 8 mm.
+        assert_near(sim.position(character), at, 0.01);
+        assert_eq!(sim.get::<CharacterGround>(character).unwrap().collider, platform);
+        // With its ground it goes on as it did.
+        snapshot.restore(sim.world());
+        sim.set(character, (Transform::from_translation(at), ground));
+        sim.step(64);
+        assert_near(sim.position(character), at + Vec3::new(0.5, 0.25, 0.0), 1e-3);
     }
 }
 

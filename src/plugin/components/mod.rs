@@ -42,7 +42,9 @@ pub(crate) struct ColliderToCome;
 /// Spawn it on an entity of its own. It is never part of a body. It requires a `Transform` so that editors and saved scenes can
 /// move it. It may have [`Friction`](crate::types::material::Friction) and
 /// [`Restitution`](crate::types::material::Restitution), and obeys
-/// [`CollisionLayers`](crate::types::body::CollisionLayers). Collisions with planes are reported like those with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
+/// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`ColliderDisabled`]. It is solid: where it should be a
+/// [`Sensor`], use a large static box mesh instead. Collisions with planes are reported like those with bodies: by
+/// [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 #[require(Transform)]
@@ -124,7 +126,8 @@ pub struct StableKey(pub u64);
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensor;
 
-/// Takes a collider out of the world until it is removed: it touches nothing and has no mass. So does Bevy's `Disabled`.
+/// Takes a collider or plane out of the world until it is removed: it touches nothing, has no mass, and no question finds it. So
+/// does Bevy's `Disabled`.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColliderDisabled;

@@ -2,13 +2,13 @@
 
 use super::outlines::Drawn;
 use crate::plugin::inspect::poses::WorldPoses;
-use crate::plugin::sync::planes::PlaneComponents;
+use crate::plugin::sync::planes::{IsPlane, PlaneComponents};
 use bevy::prelude::*;
 
 /// Lines of a grid in each direction.
 const CELLS: u32 = 10;
 
-pub(super) fn draw_planes(mut gizmos: Drawn, planes: Query<PlaneComponents>, poses: WorldPoses) {
+pub(super) fn draw_planes(mut gizmos: Drawn, planes: Query<PlaneComponents, IsPlane>, poses: WorldPoses) {
     let Some(color) = gizmos.config_ext.planes.filter(|_| gizmos.config.enabled) else {
         return;
     };

@@ -7,7 +7,7 @@ use crate::plugin::components::{ColliderDisabled, MeshCollider, RigidBodyDisable
 use crate::plugin::snapshot::Snapshot;
 use crate::plugin::sync::Step;
 use crate::plugin::sync::hierarchy::{self, Above, Node, Placed, above, affine, decompose, parent_in, place};
-use crate::plugin::sync::planes::PlaneComponents;
+use crate::plugin::sync::planes::{IsPlane, PlaneComponents};
 use crate::types::body::{CollisionLayers, RigidBody};
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
@@ -97,7 +97,7 @@ pub struct Colliders<'w, 's> {
     report: Option<Res<'w, StepReport>>,
     meshes: Res<'w, Assets<CollisionMesh>>,
     colliders: Query<'w, 's, ColliderComponents, Without<ColliderDisabled>>,
-    planes: Query<'w, 's, PlaneComponents>,
+    planes: Query<'w, 's, PlaneComponents, IsPlane>,
     nodes: Query<'w, 's, Node>,
     parents: Query<'w, 's, &'static ChildOf>,
     transforms: Query<'w, 's, &'static Transform>,

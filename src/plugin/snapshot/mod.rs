@@ -4,6 +4,7 @@ mod map;
 mod plain;
 
 use crate::manifolds::Manifolds;
+use crate::plugin::character::CharacterGround;
 use crate::plugin::components::MeshCollider;
 use crate::plugin::sync::driven::DrivenBodies;
 use crate::plugin::sync::hierarchy::{NestedBodies, world_above};
@@ -90,6 +91,9 @@ pub struct Snapshot {
 impl Snapshot {
     /// The state after the last step. It waits for pending results of a GPU: with
     /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) the snapshot is ahead of the components.
+    ///
+    /// If bodies are interpolated, call it in fixed time, for example in `FixedLast`, because in `Update` it would have the poses
+    /// that are drawn.
     pub fn take(world: &mut World) -> Self {
         let mut bodies: BTreeMap<Entity, Motion> = world
             .query_filtered::<(
@@ -147,6 +151,10 @@ impl Snapshot {
 
     /// Restores the state of all bodies. Pending results of later steps are dropped. Bodies that were spawned since
     /// then keep their state. Returns the bodies that no longer exist.
+    ///
+    /// Of a [`Character`](crate::plugin::character::Character) the snapshot has the pose only if it is a body, and nothing
+    /// else. Each of them looks for its ground anew in the next step. To have it go on from where it was, insert the
+    /// `Transform`, `Character` and [`CharacterGround`] that it had then, after this.
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         let mut gone = Vec::new();
         for (&entity, motion) in &self.bodies {
@@ -172,6 +180,7 @@ impl Snapshot {
             }
         }
         self.restore_nested(world);
+        forget_grounds(world);
         // These poses are those of a step. What others write from now on places bodies.
         let written_at = world.increment_change_tick();
         if let Some(mut step) = world.get_resource_mut::<Step>() {
@@ -236,9 +245,12 @@ impl Snapshot {
         }
     }
 
-    /// Sorts the lists that are searched.
+    /// Sorts the lists that are searched, and the two halves of each pair.
     fn sort(&mut self) {
         self.asleep.sort_unstable();
+        for touching in &mut self.touching {
+            *touching = touching.ordered();
+        }
         self.touching.sort_unstable_by_key(|touching| touching.pair);
         self.touching.dedup_by_key(|touching| touching.pair);
     }
@@ -246,6 +258,13 @@ impl Snapshot {
     /// The bodies with pose and velocities, in the order of entities.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = (Entity, &Motion)> {
         self.bodies.iter().map(|(&entity, motion)| (entity, motion))
+    }
+}
+
+/// Characters find their ground again in the next step. The one that they have would carry them along to where it was.
+fn forget_grounds(world: &mut World) {
+    for mut ground in world.query::<&mut CharacterGround>().iter_mut(world) {
+        ground.set_if_neq(CharacterGround::default());
     }
 }
 

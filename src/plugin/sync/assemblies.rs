@@ -30,7 +30,9 @@ pub(crate) struct Assembly {
     pub stretch: DMat3,
     /// For colliders without their own.
     pub surface: Surface,
-    /// Its index among the compounds of the step.
+    /// The number of its first collider in the step, if it has one there.
+    pub number: Option<u32>,
+    /// Its index among the compounds of the step. Static bodies are none.
     pub compound: Option<u32>,
 }
 
@@ -150,6 +152,7 @@ impl Step {
                 owners[part.collider as usize] = assembly.body;
             }
             *body_count -= found.len().saturating_sub(1);
+            assembly.number = found.first().map(|part| part.collider);
             // Colliders of a static body need not know each other: two static ones never collide.
             if found.is_empty() || assembly.values.kind == RigidBody::Static {
                 continue;
@@ -161,15 +164,18 @@ impl Step {
         arrays.end_joins();
     }
 
-    /// The number of a body in the arrays.
+    /// The number of a body in the arrays: that of its first collider. `None` if the step leaves the body out.
     pub fn number_of(&self, body: Entity) -> Option<usize> {
-        match self.assemblies.binary_search_by_key(&body, |assembly| assembly.body) {
-            Ok(at) => {
-                let compound = self.assemblies[at].compound?;
-                Some(self.state.input.bodies.compounds[compound as usize].number as usize)
-            }
-            Err(_) => self.collected.entities.number_of(body),
+        match self.assembly(body) {
+            Some(assembly) => assembly.number.map(|number| number as usize),
+            None => self.collected.entities.number_of(body),
         }
+    }
+
+    /// The body whose colliders are placed in it.
+    pub fn assembly(&self, body: Entity) -> Option<&Assembly> {
+        let at = self.assemblies.binary_search_by_key(&body, |assembly| assembly.body);
+        Some(&self.assemblies[at.ok()?])
     }
 
     /// Links the bodies of the step that is about to run with those of the last one.
@@ -267,5 +273,45 @@ impl Step {
             }
         }
         self.fill();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::CollisionMesh;
+    use crate::geometry::shapes;
+    use crate::plugin::FaceoffHeadlessPlugins;
+    use crate::plugin::components::{ColliderDisabled, MeshCollider};
+    use crate::plugin::sync::collect::collect;
+
+    /// Those of which it says none count as leaving the step, and with late results the step waits for them.
+    #[test]
+    fn a_body_in_the_step_has_a_number_whatever_its_kind_and_colliders() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
+        app.finish();
+        app.cleanup();
+        let world = app.world_mut();
+        let mut meshes = world.resource_mut::<Assets<CollisionMesh>>();
+        let cube = MeshCollider(meshes.add(CollisionMesh::new(&shapes::cube(1.0))));
+        let kinds = [RigidBody::Dynamic, RigidBody::Kinematic, RigidBody::Static];
+        for (place, kind) in (0..).zip(kinds) {
+            let at = Transform::from_xyz(5.0 * place as f32, 0.0, 0.0);
+            let single = world.spawn((kind, cube.clone(), at)).id();
+            let both = world.spawn((kind, cube.clone(), at)).id();
+            let part = world.spawn((cube.clone(), Transform::default(), ChildOf(both))).id();
+            let bare = world.spawn((kind, at)).id();
+            world.run_system_cached(collect).unwrap();
+            let number_of = |world: &World, body| world.resource::<Step>().number_of(body);
+            assert!(number_of(world, single).is_some(), "{kind:?}");
+            assert!(number_of(world, both).is_some(), "{kind:?}");
+            assert_eq!(number_of(world, bare), None, "{kind:?}");
+            for collider in [both, part] {
+                world.entity_mut(collider).insert(ColliderDisabled);
+            }
+            world.run_system_cached(collect).unwrap();
+            assert_eq!(number_of(world, both), None, "{kind:?}");
+        }
     }
 }

@@ -5,7 +5,7 @@ use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
 use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed};
 use super::order::{self, Keyed};
-use super::planes::{self, KeyedPlane, PlaneComponents};
+use super::planes::{self, IsPlane, KeyedPlane, PlaneComponents};
 use super::sheared::Sheared;
 use super::{Assembly, AssemblyPart, Candidate, Step, named};
 use crate::asset::CollisionMesh;
@@ -72,7 +72,7 @@ pub(crate) struct Meshes<'w> {
 pub(crate) fn collect(
     mut step: ResMut<Step>,
     mut bodies: Query<BodyComponents, IsBody>,
-    plane_query: Query<PlaneComponents>,
+    plane_query: Query<PlaneComponents, IsPlane>,
     hierarchy: Hierarchy,
     names: Query<&Name>,
     meshes: Meshes,
@@ -338,6 +338,7 @@ impl Reader<'_, '_> {
             center,
             stretch: posed.stretch,
             surface,
+            number: None,
             compound: None,
         });
         if let Some(MeshCollider(mesh)) = own {

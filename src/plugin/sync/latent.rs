@@ -140,6 +140,12 @@ impl Latent {
         at.is_ok_and(|at| self.shadows[at].1.is_driven())
     }
 
+    /// Whether a body was in the last step.
+    pub fn contains(&self, entity: Entity) -> bool {
+        let at = self.shadows.binary_search_by_key(&entity, |(body, _)| body.entity);
+        at.is_ok()
+    }
+
     /// The bodies of the last step.
     pub fn bodies(&self) -> impl Iterator<Item = Entity> + '_ {
         self.shadows.iter().map(|(body, _)| body.entity)

@@ -132,6 +132,15 @@ impl Touching {
         self.pair.map(|id| id.entity)
     }
 
+    /// The same with its pair in ascending order.
+    pub fn ordered(mut self) -> Self {
+        if self.pair[0] > self.pair[1] {
+            self.pair.reverse();
+            self.bodies.reverse();
+        }
+        self
+    }
+
     /// Whether both are the same collision. A collider that became part of another body begins to touch anew.
     pub fn is_same(&self, other: &Self) -> bool {
         (self.pair, self.bodies) == (other.pair, other.bodies)
@@ -311,6 +320,19 @@ impl Step {
             return true;
         }
         false
+    }
+
+    /// Whether a body was in the step that ran last, even if its results come later. To be asked before they are published.
+    pub fn has_run(&self, body: Entity) -> bool {
+        if let Some(assembly) = self.assembly(body) {
+            return assembly.number.is_some();
+        }
+        #[cfg(feature = "gpu")]
+        if self.engine.is_latent() {
+            return self.latent.contains(body);
+        }
+        let results = self.results.as_ref();
+        results.is_some_and(|results| results.entities.number_of(body).is_some())
     }
 
     /// Waits for the results of the oldest pending step. Returns false if there is none.

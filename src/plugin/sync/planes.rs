@@ -25,8 +25,12 @@ pub(crate) struct PlaneComponents {
     layers: Option<&'static CollisionLayers>,
     hooks: Option<&'static ActiveCollisionHooks>,
     is_body: Has<MeshCollider>,
+    is_sensor: Has<Sensor>,
     kind: Option<&'static RigidBody>,
 }
+
+/// Planes that are in the world.
+pub(crate) type IsPlane = Without<ColliderDisabled>;
 
 /// A plane of a step.
 pub(crate) struct KeyedPlane {
@@ -47,7 +51,7 @@ impl InOrder for KeyedPlane {
 /// Reads planes in their order. `to_world` gives the transformation from the coordinates of an entity to the world.
 /// `has_hooks` says whether the app has hooks.
 pub(super) fn read(
-    query: &Query<PlaneComponents>,
+    query: &Query<PlaneComponents, IsPlane>,
     to_world: impl Fn(Entity) -> DAffine3,
     has_hooks: bool,
     planes: &mut Vec<KeyedPlane>,
@@ -100,6 +104,9 @@ impl PlaneComponentsItem<'_, '_> {
         oddities.check(self.entity, "Friction", self.friction.map(|f| f.coefficient));
         if self.kind.is_some_and(|&kind| kind != RigidBody::Static) && !self.is_body {
             oddities.add(self.entity, Oddity::PlaneDoesNotMove);
+        }
+        if self.is_sensor && !self.is_body {
+            oddities.add(self.entity, Oddity::PlaneIsSolid);
         }
     }
 

@@ -13,14 +13,15 @@ use crate::types::body::*;
 use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
-/// Sets external impulses to zero, because they act once.
-pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut ExternalForces>) {
+/// Sets external impulses to zero, because they act once. Those of bodies that were not in the step, for example because their
+/// mesh is not loaded yet, wait for their first one.
+pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<(Entity, &mut ExternalForces)>) {
     if !step.engine.runs() {
         return;
     }
     // Even if results come later, the step has read the impulses.
-    for mut forces in &mut acted_on {
-        if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
+    for (entity, mut forces) in &mut acted_on {
+        if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) && step.has_run(entity) {
             (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
         }
     }
@@ -228,16 +229,12 @@ pub(crate) fn publish(
     let planes = contacts.planes.iter().map(|c| {
         let plane = results.planes.keyed(c.plane as usize);
         let (collider, body) = (results.entities.keyed(c.body as usize), results.bodies[c.body as usize]);
-        let first = collider < plane;
-        Touching {
-            pair: if first { [collider, plane] } else { [plane, collider] },
-            bodies: if first {
-                [body, plane.entity]
-            } else {
-                [plane.entity, body]
-            },
+        let touching = Touching {
+            pair: [collider, plane],
+            bodies: [body, plane.entity],
             left: hold,
-        }
+        };
+        touching.ordered()
     });
     let touching = &mut step.touching_now;
     touching.clear();
