@@ -1,7 +1,8 @@
 //! Which settings suit which program.
 //!
-//! The defaults suit a game with a few to some hundred bodies that fall, slide, stack and roll. Change a setting if your
-//! program is one of these.
+//! The defaults suit a game with a few to some hundred bodies that fall, slide, stack and roll; with so few
+//! [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu) is faster than a GPU. Change a setting if your program is one of
+//! these.
 //!
 //! # A few bodies that matter
 //!
@@ -59,7 +60,7 @@
 //!
 //! On a graphics card choose [`Readback::Resident`](crate::plugin::settings::Readback) if nothing but drawing needs the
 //! poses, and draw from `plugin::poses`: the example `swarm` does. Then nothing but counts is read back. With the other
-//! readings leave [`FaceLists`](crate::plugin::settings::FaceLists) off unless something looks at faces.
+//! two leave [`FaceLists`](crate::plugin::settings::FaceLists) off unless something looks at faces.
 //!
 //! With contacts a card pays from thousands of touching pairs on. With a few hundred bodies or fewer choose
 //! [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu): a step on a card waits for a hundred short dispatches and more.

@@ -84,7 +84,7 @@
 //!
 //! | | here | Avian | bevy_rapier | shown by |
 //! |---|---|---|---|---|
-//! | on a GPU | all stages, tested on a software driver; not measured on a real card | no | no | `gpu/parity/steps`, `bevy_render` |
+//! | on a GPU | all stages; tested on a software driver and on one card, an NVIDIA H200 | no | no | `gpu/parity/steps`, `bevy_render` |
 //! | on all cores | yes | in part: feature `parallel` | yes: feature `parallel` | `plugin/clock` |
 //! | without a window or a GPU | yes | yes | yes | `--example headless` |
 //! | in a browser | built for it, and run in Node.js on one thread; not tried in a browser | written for it: [optimization][avian3d optimization] | rapier is for it too: the category `wasm` in [Cargo.toml][rapier3d Cargo.toml] | `.ci/web` |
@@ -108,8 +108,8 @@
 //! # Speed
 //!
 //! `benches/peers` runs avian3d, rapier3d and parry3d on the same scenes, and [BENCHMARKS.md] has the figures. Concave meshes
-//! are faster here and sink into each other less. Convex parts are faster there: knots in a bin take two to three and a half
-//! times as long here as with convex parts in rapier3d, and a stack of cubes six times. Those figures are of rapier3d
+//! are faster here and sink into each other less. Convex parts are faster there: knots in a bin take 2.3 to 3.5
+//! times as long here as with convex parts in rapier3d, and a stack of cubes seven times. Those figures are of rapier3d
 //! 0.36.1, which is newer than the one in bevy_rapier 0.36.
 //!
 //! [BENCHMARKS.md]: https://docs.rs/crate/bevy_faceoff/latest/source/BENCHMARKS.md

@@ -15,7 +15,7 @@
 //! | `ColliderConstructor::TrimeshFromMesh` | `MeshColliderFrom(mesh)`, feature `bevy_mesh` |
 //! | `ColliderConstructorHierarchy` | `MeshColliderHierarchy`, feature `bevy_gltf` |
 //! | `Collider::half_space(normal)` | [`PlaneCollider`](crate::plugin::components::PlaneCollider) |
-//! | `Collider::sphere`, `cuboid`, `capsule`, `compound` | meshes: [`geometry::shapes`](crate::geometry::shapes) or a file; children with `MeshCollider`s |
+//! | `Collider::sphere`, `cuboid`, `capsule`, `compound` | meshes: a ball or cube of [`geometry::shapes`](crate::geometry::shapes), `MeshColliderFrom(meshes.add(Capsule3d::new(0.3, 1.0)))`, or a file; children with `MeshCollider`s |
 //! | `Position`, `Rotation` | `Transform` |
 //! | `LinearVelocity`, `AngularVelocity`, `Gravity`, `GravityScale` | the same |
 //! | `ConstantForce`, `Forces::apply_force` | [`ExternalForces`](crate::types::body::ExternalForces)`::force`, which acts until you change it |
@@ -52,6 +52,5 @@
 //!   [`Teleport`](crate::plugin::components::Teleport) it does not.
 //! * **`CollisionEnd` waits** 0.1 s, so that rolling and bouncing do not start and end a collision again and again:
 //!   [`EventHysteresis`](crate::plugin::settings::EventHysteresis).
-//! * **Everything is in one world.** There are no layers of physics worlds.
 //! * **Wrong components do not panic.** The body is left out, and [`BodyRejected`](crate::plugin::events::BodyRejected)
 //!   says why.

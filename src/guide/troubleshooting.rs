@@ -27,7 +27,7 @@
 //! | surprise | cause |
 //! |---|---|
 //! | bodies stand still, also in the air | no step runs: `ActiveBackend` says why; with `Latent` kernels are still compiled until `BackendReady` |
-//! | a body falls through the floor | the floor has a `Mesh3d` and no `MeshCollider`; or it is an open mesh whose faces look down: turn them |
+//! | a body falls through the floor | the floor has a `Mesh3d` and no `MeshCollider`; or its mesh is not loaded yet; or, with `Response::Impulse`, it is an open mesh whose faces look down: turn them |
 //! | two colliders never touch | both are static or kinematic, or belong to one body, or their `CollisionLayers` do not meet |
 //! | a file loads as a mesh to draw, not to collide | `load::<CollisionMesh>(..)` by type, or a recipe: `(mesh: "knot.obj")` in `knot.bake.ron` |
 //! | with `AssetMode::Processed` a mesh does not load | only recipes and `.faceoff` files do |
@@ -43,7 +43,7 @@
 //! | things inside a room are thrown out | the room is a closed mesh whose faces look outward, or disagree and were turned | turn its faces: the same mesh inverted is a room |
 //! | things in a bottle are pushed out | its opening takes less than a fiftieth of its area, so it counts as closed | give the glass an inside: a wall has two surfaces |
 //! | a body that appears in another one jumps | overlapping bodies are pushed apart at up to 3 m/s, deep ones at 1 m/s | spawn it apart, or lower `SolverSettings::max_depenetration_speed` |
-//! | motion stutters | frames and steps have different rates | the feature `interpolation` |
+//! | motion stutters | frames and steps have different rates | the feature `interpolation`, and `TransformInterpolation` on the body or `InterpolationPlugin::interpolate_all()` |
 //! | a lift does not carry | its `Transform` is written in `Update`, or with `Teleport` | write it in `FixedUpdate` |
 //! | a platform pushes but does not carry | a `PlaneCollider` has no velocity | a kinematic body with a mesh |
 //! | a pile never sleeps | a `SleepingDisabled` body, or one that is written in every step, touches it | `set_if_neq` |

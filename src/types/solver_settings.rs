@@ -29,11 +29,11 @@ pub struct SolverSettings {
     /// Halving the substep helps stiff stacks and large mass ratios more than doubling the iterations, at the same cost
     /// (Macklin et al., "Small Steps in Physics Simulation", 2019).
     pub substeps: u32,
-    /// Passes over all pairs per substep with a bias velocity that pushes overlapping bodies apart. Default 2:
-    /// at least so many.
+    /// Smallest number of passes over all pairs per substep with a bias velocity that pushes overlapping bodies apart.
+    /// Default 2.
     pub bias_iterations: u32,
-    /// Passes per substep without bias velocity, after the bodies have moved. They remove the velocity that the bias
-    /// added. Default 2: at least so many. Without them chains break.
+    /// Smallest number of passes per substep without bias velocity, after the bodies have moved. They remove the velocity
+    /// that the bias added. Default 2. Without them chains break.
     pub relax_iterations: u32,
     /// Most passes of either kind. Default 64. Small islands get as many as they need to converge, large
     /// ones fewer, and on a GPU those under heavy loads too.
@@ -80,7 +80,8 @@ pub struct SolverSettings {
     /// How far two surfaces may move relative to each other in one collision substep, as a fraction of the thickness of
     /// the thinnest body. Faster bodies cause more collision substeps.
     ///
-    /// Default 0.25: a body that a third one deflects never gets undetected through more than a quarter of another one. The
+    /// Default 0.25: contacts are searched for again before a surface has moved by a quarter of the thinnest body's thickness,
+    /// also if a third body has deflected it. The
     /// contact points of two bodies that overlap deeply are found anew after twice this distance, or in the next step.
     pub collision_substep_travel: f32,
     /// Largest number of collision substeps per step. Default 8, at most [`MAX_COLLISION_SUBSTEPS`].
