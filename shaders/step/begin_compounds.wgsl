@@ -5,7 +5,7 @@
 #import faceoff::margins::{with_rounded_center, with_speculative_radius}
 #import faceoff::placed::rotation_of
 #import faceoff::solver_types as s
-#import faceoff::start::state_at_start
+#import faceoff::start::{is_near, state_at_start}
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -35,7 +35,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let here = t::Moved(compound.position, 0u, compound.rotation, v, 0u, w, 0u);
     let host = host_states[compound.collider];
     let dynamic = (bodies[compound.collider].flags & t::KIND_MASK) == t::DYNAMIC;
-    let state = state_at_start(host, known, compound.carried, stays, dynamic, here, compound.center);
+    let same_state = (compound.carried & t::CONTINUES) != 0u && (compound.carried & t::CARRIED_SLEEP) != 0u;
+    let changed = !(same_state && is_near(here, last, compound.radius));
+    let state = state_at_start(host, known, compound.carried, stays, dynamic, changed, here, compound.center);
     let rests = all(v == vec3(0.0)) && all(w == vec3(0.0));
     let goes_on = stays && (compound.carried & t::CARRIED_SLEEP) != 0u;
     let inactive = select(0u, t::RESTS, goes_on && dynamic && state.asleep != 0u && rests);

@@ -7,15 +7,19 @@
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
+// Relative rounding error of a place that the host knows.
+const PLACE_ERROR: f32 = 4.0e-6;
+
 // `host` is the state that the host knows, `known` that after the last step, and `motion` the present one in single
 // precision. The body `stays` if it continues from the last step and has not moved since. `center` is its centre of mass
-// in its own axes. What is not `dynamic` never sleeps; if it has changed other than by its velocity, it wakes others.
+// in its own axes. What is not `dynamic` never sleeps; if it has `changed` other than by its velocity, it wakes others.
 fn state_at_start(
     host: s::MotionState,
     known: s::MotionState,
     carried: u32,
     stays: bool,
     dynamic: bool,
+    changed: bool,
     motion: t::Moved,
     center: vec3<f32>,
 ) -> s::MotionState {
@@ -39,11 +43,20 @@ fn state_at_start(
     }
     let goes_on = stays && (carried & t::CARRIED_SLEEP) != 0u;
     if !dynamic {
-        state.asleep = select(s::CHANGED, 0u, goes_on);
+        state.asleep = select(0u, s::CHANGED, changed);
     } else if goes_on && (known.asleep == 0u || (carried & t::WOKEN) == 0u) {
         state.asleep = known.asleep;
         state.rest_time = known.rest_time;
         state.neighbours = known.neighbours;
     }
     return state;
+}
+
+// Whether a body was at the same place after the last step, up to rounding. `size` is its radius. The host may place a
+// kinematic body where it was to its own rounding.
+fn is_near(body: t::Moved, last: t::Moved, size: f32) -> bool {
+    let place = abs(body.position);
+    let near = PLACE_ERROR * (max(place.x, max(place.y, place.z)) + size);
+    return all(abs(body.position - last.position) <= vec3(near))
+        && all(abs(body.rotation - last.rotation) <= vec4(PLACE_ERROR));
 }

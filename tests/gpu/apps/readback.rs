@@ -5,7 +5,7 @@ use crate::app::{STEP, Sim, ball_like, resting};
 use crate::gpu::Test;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::layout::{Body as DeviceBody, Moved};
 use bevy_faceoff::gpu::readback::read_words;
@@ -34,6 +34,7 @@ pub const TESTS: &[Test] = &[
     ("poses_after_a_snapshot_are_those_of_the_bodies_told", restored_poses),
     ("all_is_published_while_time_stands_still", virtual_paused),
     ("sleepers_are_counted_on_the_gpu_alone", sleepers),
+    ("what_lies_on_a_kinematic_body_sleeps", on_a_slab),
 ];
 
 /// An app whose clock stands still until the device is ready.
@@ -606,6 +607,29 @@ fn sleepers(_: &Gpu) {
     assert_eq!(sim.report().sleeping, 2);
     sim.step(128);
     assert_eq!(sim.report().sleeping, 3);
+}
+
+/// The slab's centre of mass is not at its origin, so that the device places it with a rounding error.
+fn on_a_slab(_: &Gpu) {
+    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
+        let mut sim = app(Backend::Gpu, readback);
+        sim.app
+            .insert_resource(Response::Contacts)
+            .insert_resource(Gravity::default());
+        let (shape, center) = (shapes::cube(1.0), Vec3::new(0.37, 0.0, 0.21));
+        let vertices = shape.vertices().iter().map(|&v| v + center).collect();
+        let [cube, slab] = [
+            sim.mesh(&shape),
+            sim.mesh(&TriMesh::new(vertices, shape.triangles().to_vec()).unwrap()),
+        ];
+        let place = Transform::from_xyz(1.3, 0.0, -0.7)
+            .with_rotation(Quat::from_rotation_y(0.4))
+            .with_scale(Vec3::new(6.1, 1.0, 6.1));
+        sim.spawn((RigidBody::Kinematic, slab, place));
+        sim.spawn(resting(&cube, place.transform_point(center) + Vec3::Y * 1.01));
+        sim.step(128);
+        assert_eq!(sim.report().sleeping, 1, "{readback:?}");
+    }
 }
 
 /// A step of the same world in three readings, after which all bodies are at the same places.
