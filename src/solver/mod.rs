@@ -20,7 +20,7 @@
 //! |---|---|
 //! | `adapter` | conversion between the step's bodies and the solver's |
 //! | [`bodies`] | the solver's bodies: properties, motion, forces |
-//! | [`impulses`] | external impulses, at the beginning of a step |
+//! | `impulses` | external impulses, at the beginning of a step |
 //! | [`speeds`] | bounds on relative speeds, and the number of collision substeps |
 //! | `islands` | sets of bodies that contacts connect |
 //! | `motion` | velocities and poses of bodies during a collision substep, and their integration |

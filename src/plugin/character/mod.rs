@@ -26,6 +26,7 @@ mod walk;
 use crate::plugin::clock;
 use crate::plugin::queries::{SpatialQueryFilter, SpatialQueryPlugin, run_casters, update_after_step};
 use crate::plugin::schedule::FaceoffStep;
+use crate::plugin::snapshot::SnapshotRestored;
 use bevy::ecs::entity::MapEntities;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
@@ -180,7 +181,14 @@ impl Plugin for CharacterPlugin {
         // Rays and shapes of casters on characters start where these are after the step.
         let run = run.after(update_after_step).before(run_casters).before(clock::end);
         let run = run.run_if(any_with_component::<Character>).ambiguous_with_all();
-        app.add_systems(FaceoffStep, run);
+        app.add_systems(FaceoffStep, run).add_observer(forget_grounds);
+    }
+}
+
+/// Characters find their ground again in the next step. The one that they have would carry them along to where it was put back.
+fn forget_grounds(_: On<SnapshotRestored>, mut grounds: Query<&mut CharacterGround>) {
+    for mut ground in &mut grounds {
+        ground.set_if_neq(CharacterGround::default());
     }
 }
 

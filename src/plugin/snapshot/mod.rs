@@ -4,7 +4,6 @@ mod map;
 mod plain;
 
 use crate::manifolds::Manifolds;
-use crate::plugin::character::CharacterGround;
 use crate::plugin::components::MeshCollider;
 use crate::plugin::sync::driven::DrivenBodies;
 use crate::plugin::sync::hierarchy::{NestedBodies, world_above};
@@ -154,7 +153,7 @@ impl Snapshot {
     ///
     /// Of a [`Character`](crate::plugin::character::Character) the snapshot has the pose only if it is a body, and nothing
     /// else. Each of them looks for its ground anew in the next step. To have it go on from where it was, insert the
-    /// `Transform`, `Character` and [`CharacterGround`] that it had then, after this.
+    /// `Transform`, `Character` and `CharacterGround` that it had then, after this. [`SnapshotRestored`] is triggered at the end.
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         let mut gone = Vec::new();
         for (&entity, motion) in &self.bodies {
@@ -180,7 +179,6 @@ impl Snapshot {
             }
         }
         self.restore_nested(world);
-        forget_grounds(world);
         // These poses are those of a step. What others write from now on places bodies.
         let written_at = world.increment_change_tick();
         if let Some(mut step) = world.get_resource_mut::<Step>() {
@@ -189,6 +187,7 @@ impl Snapshot {
             step.touching.clone_from(&self.touching);
             self.restore_memory(&mut step);
         }
+        world.trigger(SnapshotRestored);
         gone
     }
 
@@ -261,12 +260,10 @@ impl Snapshot {
     }
 }
 
-/// Characters find their ground again in the next step. The one that they have would carry them along to where it was.
-fn forget_grounds(world: &mut World) {
-    for mut ground in world.query::<&mut CharacterGround>().iter_mut(world) {
-        ground.set_if_neq(CharacterGround::default());
-    }
-}
+/// [`Snapshot::restore`] has put the bodies of a world back. What a game remembers of where bodies were may not hold any more.
+#[derive(Event, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Event, Default, Debug, PartialEq)]
+pub struct SnapshotRestored;
 
 /// Notes that the pose of a body is that of a step.
 fn keep_pose(body: &mut EntityWorldMut) {
