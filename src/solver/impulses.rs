@@ -9,39 +9,36 @@ use crate::state::Bodies;
 use crate::types::body::ExternalForces;
 use glam::Vec3;
 
-/// Applies the external impulses of bodies, and clears them. The angular impulse of a body stays for the solver unless
-/// its rotation is known. `changed` gets each body, and how much its linear and angular velocities have changed.
-pub fn apply_impulses(
-    bodies: &mut Bodies,
-    knows_rotation: impl Fn(&Bodies, usize) -> bool,
-    mut changed: impl FnMut(&Bodies, usize, [Vec3; 2]),
-) {
+/// Applies the external impulses of all bodies, and clears them.
+pub fn apply_impulses(bodies: &mut Bodies) {
     for i in 0..bodies.len() {
-        let ExternalForces {
-            impulse,
-            angular_impulse,
-            ..
-        } = bodies.params[i].forces;
-        if (impulse, angular_impulse) == (Vec3::ZERO, Vec3::ZERO) || !bodies.is_body(i) {
-            continue;
-        }
-        let mut impulses = ExternalForces {
-            impulse,
-            angular_impulse,
-            ..ExternalForces::default()
-        };
-        if !knows_rotation(bodies, i) {
-            impulses.angular_impulse = Vec3::ZERO;
-        }
-        let (properties, motion) = (properties_of(bodies, i), motion_of(bodies, i));
-        let before = [motion.linear_velocity, motion.angular_velocity];
-        let Some(after) = velocity_after(&properties, &motion, &impulses) else {
-            continue;
-        };
-        let forces = &mut bodies.params[i].forces;
-        forces.impulse = Vec3::ZERO;
-        forces.angular_impulse -= impulses.angular_impulse;
-        bodies.set_velocity(i, after);
-        changed(bodies, i, [after[0] - before[0], after[1] - before[1]]);
+        apply_impulses_of(bodies, i, true);
     }
+}
+
+/// Applies the external impulses of the body with the number `i`, and clears them; its angular impulse stays for the solver
+/// unless its rotation is known. Returns how much its linear and angular velocities have changed; `None` if they have not,
+/// and for colliders that are no body.
+pub(crate) fn apply_impulses_of(bodies: &mut Bodies, i: usize, knows_rotation: bool) -> Option<[Vec3; 2]> {
+    let forces = bodies.params[i].forces;
+    if (forces.impulse, forces.angular_impulse) == (Vec3::ZERO, Vec3::ZERO) || !bodies.is_body(i) {
+        return None;
+    }
+    let angular_impulse = if knows_rotation {
+        forces.angular_impulse
+    } else {
+        Vec3::ZERO
+    };
+    let impulses = ExternalForces {
+        impulse: forces.impulse,
+        angular_impulse,
+        ..ExternalForces::default()
+    };
+    let (properties, motion) = (properties_of(bodies, i), motion_of(bodies, i));
+    let after = velocity_after(&properties, &motion, &impulses)?;
+    let left = &mut bodies.params[i].forces;
+    left.impulse = Vec3::ZERO;
+    left.angular_impulse -= angular_impulse;
+    bodies.set_velocity(i, after);
+    Some([after[0] - motion.linear_velocity, after[1] - motion.angular_velocity])
 }

@@ -85,6 +85,8 @@ pub mod warm_start;
 pub(crate) use adapter::PLANE_KEY;
 pub use bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
 pub use impulses::apply_impulses;
+#[cfg(all(feature = "bevy", feature = "gpu"))]
+pub(crate) use impulses::apply_impulses_of;
 pub use pace::Pace;
 pub use warm_start::WarmStart;
 

@@ -186,6 +186,13 @@ impl Bodies {
         self.body_of(i as u32) == i as u32
     }
 
+    /// The row of the body of collider `i` in lists of motions: those of colliders, then those of compounds.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn motion_row(&self, i: usize) -> usize {
+        self.part(i as u32)
+            .map_or(i, |part| self.len() + part.compound as usize)
+    }
+
     /// Sets the linear and the angular velocity of the body with the number `i`.
     pub(crate) fn set_velocity(&mut self, i: usize, [linear, angular]: [Vec3; 2]) {
         match self.part(i as u32).map(|part| part.compound as usize) {

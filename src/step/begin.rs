@@ -27,7 +27,7 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
         }
         Response::None => SpeculativeMargins::AtRest,
         Response::Contacts => {
-            apply_impulses(&mut input.bodies, |_, _| true, |_, _, _| {});
+            apply_impulses(&mut input.bodies);
             let speeds = load_bodies(input, memory, scratch);
             let drift = speeds.drift();
             let config = input.config;

@@ -81,8 +81,8 @@ pub struct SolverSettings {
     /// the thinnest body. Faster bodies cause more collision substeps.
     ///
     /// Default 0.25: contacts are searched for again before a surface has moved by a quarter of the thinnest body's thickness,
-    /// also if a third body has deflected it. The
-    /// contact points of two bodies that overlap deeply are found anew after twice this distance, or in the next step.
+    /// also if a third body has deflected it. The contact points of two bodies that overlap deeply are found anew after
+    /// twice this distance, or in the next step.
     pub collision_substep_travel: f32,
     /// Largest number of collision substeps per step. Default 8, at most [`MAX_COLLISION_SUBSTEPS`].
     pub max_collision_substeps: u32,

@@ -9,7 +9,7 @@
 use super::Step;
 use super::collected::Collected;
 use super::shadow::{Part, Shadow, Written};
-use crate::solver::apply_impulses;
+use crate::solver::apply_impulses_of;
 use crate::state::{Bodies, Motion};
 use crate::step::gpu::upload::Carried;
 use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody, Sleeping};
@@ -112,19 +112,16 @@ impl Latent {
     /// Applies external impulses to velocities, also to those that carry over. Where the rotation carries over the host does
     /// not know it, and the device applies the angular impulse.
     pub fn apply_impulses(&mut self, bodies: &mut Bodies) {
-        let row_of = |bodies: &Bodies, i: usize| {
-            let part = bodies.part(i as u32);
-            part.map_or(i, |part| bodies.len() + part.compound as usize)
-        };
-        let carried = &mut self.carried;
-        let rotates: Vec<bool> = carried.iter().map(|row| row.is_some_and(|row| row.rotation)).collect();
-        let knows_rotation = |bodies: &Bodies, i| !rotates.get(row_of(bodies, i)).is_some_and(|&rotates| rotates);
-        apply_impulses(bodies, knows_rotation, |bodies, i, [linear, angular]| {
-            if let Some(Some(row)) = carried.get_mut(row_of(bodies, i)) {
+        for i in 0..bodies.len() {
+            let mut row = self.carried.get_mut(bodies.motion_row(i)).and_then(Option::as_mut);
+            let knows_rotation = row.as_ref().is_none_or(|row| !row.rotation);
+            if let Some([linear, angular]) = apply_impulses_of(bodies, i, knows_rotation)
+                && let Some(row) = &mut row
+            {
                 row.linear.add(linear);
                 row.angular.add(angular);
             }
-        });
+        }
     }
 
     /// Records that a component of a body was inserted.

@@ -301,7 +301,7 @@ impl Step {
         if stage != Stage::BroadPhase {
             return self.engine.is_latent();
         }
-        if self.state.input.config.response == Response::Contacts {
+        if self.engine.latent().is_some() && self.state.input.config.response == Response::Contacts {
             self.latent.apply_impulses(&mut self.state.input.bodies);
         }
         while let Some(detail) = self.engine.latent() {

@@ -269,7 +269,7 @@ impl GpuStep {
             self.forget();
         }
         if state.input.config.response == Response::Contacts {
-            apply_impulses(&mut state.input.bodies, |_, _| true, |_, _, _| {});
+            apply_impulses(&mut state.input.bodies);
         }
         self.submit(&state.input, &[], Detail::All)?;
         if let Some(output) = self.take() {

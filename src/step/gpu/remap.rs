@@ -133,7 +133,7 @@ impl LastBodies {
             let Some(before) = before else { continue };
             remap.new_numbers[before as usize] = i as u32;
             let params = &bodies.params[i];
-            let sleeps = params.can_sleep && same_gravity || bodies.kind[i] != RigidBody::Dynamic;
+            let sleeps = keeps_sleep(bodies, i, same_gravity);
             // Another scale or mesh may move the centre of mass.
             let (now, then) = (&sleep_inputs[i], &self.sleep_inputs[before as usize]);
             let single = self.part(before).is_none() && bodies.part(i as u32).is_none();
@@ -236,8 +236,7 @@ impl LastBodies {
                 let same_inputs = sleep_inputs[i] == self.sleep_inputs[last.collider as usize];
                 self.len() as u32 + last.compound == compound.row && last.place == part.place && same_inputs
             });
-            let sleeps = bodies.params[i].can_sleep && same_gravity || bodies.kind[i] != RigidBody::Dynamic;
-            if !(same && sleeps) {
+            if !(same && keeps_sleep(bodies, i, same_gravity)) {
                 compound.carried &= !CARRIED_SLEEP;
             }
             compound.carried |= if bodies.params[i].woken { WOKEN } else { 0 };
@@ -250,4 +249,9 @@ impl LastBodies {
         let at = self.parts.binary_search_by_key(&collider, |part| part.collider);
         at.ok().map(|at| &self.parts[at])
     }
+}
+
+/// Whether the sleep state of a collider carries over while nothing about it changes. What is not dynamic never sleeps.
+fn keeps_sleep(bodies: &Bodies, i: usize, same_gravity: bool) -> bool {
+    bodies.params[i].can_sleep && same_gravity || bodies.kind[i] != RigidBody::Dynamic
 }

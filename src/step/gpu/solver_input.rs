@@ -78,14 +78,13 @@ impl SolverInput {
             Some(compound) => placed.compounds[compound].number as usize,
             None => row,
         };
-        let row_of = |i: usize| placed.part(i as u32).map_or(i, |part| count + part.compound as usize);
         let carried_velocities = |row: usize| {
             let is_static = placed.kind.get(collider_of(row)) == Some(&RigidBody::Static);
             carried_velocities(carried, row).filter(|_| !is_static)
         };
         // Centre and extent of a body bound the speeds of all its colliders.
         let mut seen = Speeds::of(&bodies, |i| {
-            i < count && (!placed.is_body(i) || carried_velocities(row_of(i)).is_some())
+            i < count && (!placed.is_body(i) || carried_velocities(placed.motion_row(i)).is_some())
         });
         for slowed in &remap.slowed {
             if let Some([linear, angular]) = slowed.velocities {
