@@ -123,7 +123,7 @@ pub mod prelude {
         SpatialQuery, SpatialQueryFilter,
     };
     pub use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
-    pub use crate::plugin::snapshot::{Snapshot, SnapshotRestored};
+    pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;
     pub use crate::state::{BodyFault, Contact, ContactPoint, FacePair, ManifoldPoint};

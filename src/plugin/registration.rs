@@ -6,7 +6,6 @@ use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
 use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
 use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity};
-use crate::plugin::snapshot::SnapshotRestored;
 use crate::types::body::*;
 use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::limits::StepLimits;
@@ -63,7 +62,6 @@ pub(super) fn register(app: &mut App) {
         .register_type::<StepReport>()
         .register_type::<CollisionStart>()
         .register_type::<CollisionEnd>()
-        .register_type::<SnapshotRestored>()
         .register_type::<BodyRejected>()
         .register_type::<BackendReady>()
         .register_type::<BackendFailed>()

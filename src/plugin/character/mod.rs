@@ -26,10 +26,10 @@ mod walk;
 use crate::plugin::clock;
 use crate::plugin::queries::{SpatialQueryFilter, SpatialQueryPlugin, run_casters, update_after_step};
 use crate::plugin::schedule::FaceoffStep;
-use crate::plugin::snapshot::SnapshotRestored;
 use bevy::ecs::entity::MapEntities;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f32::consts::FRAC_PI_4;
 
 /// A capsule that is moved by its velocity and stopped by colliders and planes. By default it is 1.8 metres high, with a radius
@@ -131,7 +131,7 @@ impl Character {
 /// on with its platform.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
-pub struct CharacterGround(#[entities] Option<GroundContact>);
+pub struct CharacterGround(#[entities] pub(crate) Option<GroundContact>);
 
 /// Where a [`Character`] stands.
 #[derive(Clone, Copy, Debug, MapEntities, PartialEq, Reflect)]
@@ -154,19 +154,19 @@ pub struct GroundContact {
     /// How the ground has turned in the last step, rad/s: to turn a character along with its platform.
     pub angular_velocity: Vec3,
     /// The point in the axes of the collider, and the rotation of these.
-    anchor: Anchor,
+    pub(crate) anchor: Anchor,
 }
 
 /// A point of a collider.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Default, Debug, PartialEq)]
-struct Anchor {
+pub(crate) struct Anchor {
     /// In the axes of the collider.
-    point: DVec3,
+    pub(crate) point: DVec3,
     /// Of the collider in the world.
-    rotation: DQuat,
+    pub(crate) rotation: DQuat,
     /// Whether the velocity of the ground is known.
-    is_tracked: bool,
+    pub(crate) is_tracked: bool,
 }
 
 /// Moves characters. Part of [`FaceoffPlugins`](crate::plugin::FaceoffPlugins); needs [`SpatialQueryPlugin`].
@@ -181,14 +181,7 @@ impl Plugin for CharacterPlugin {
         // Rays and shapes of casters on characters start where these are after the step.
         let run = run.after(update_after_step).before(run_casters).before(clock::end);
         let run = run.run_if(any_with_component::<Character>).ambiguous_with_all();
-        app.add_systems(FaceoffStep, run).add_observer(forget_grounds);
-    }
-}
-
-/// Characters find their ground again in the next step. The one that they have would carry them along to where it was put back.
-fn forget_grounds(_: On<SnapshotRestored>, mut grounds: Query<&mut CharacterGround>) {
-    for mut ground in &mut grounds {
-        ground.set_if_neq(CharacterGround::default());
+        app.add_systems(FaceoffStep, run);
     }
 }
 

@@ -14,7 +14,7 @@ pub enum SpatialQueryError {
     /// Poses stay on the GPU.
     #[error(
         "with Readback::Resident the poses of bodies stay on the GPU: take a Snapshot and call \
-         update_spatial_queries_from, or use Readback::Latent"
+         update_spatial_queries_from with its bodies, or use Readback::Latent"
     )]
     Resident,
 }
@@ -26,8 +26,8 @@ pub struct SpatialIndex {
     /// By number in the scene.
     pub(super) colliders: Vec<IndexedCollider>,
     pub(super) fault: Option<SpatialQueryError>,
-    /// Whether the poses are those of a [`Snapshot`](crate::plugin::snapshot::Snapshot).
-    pub(super) is_from_snapshot: bool,
+    /// Whether the poses were given to [`update_spatial_queries_from`](super::update_spatial_queries_from).
+    pub(super) has_given_poses: bool,
     /// Whether any system asks.
     pub(super) is_wanted: bool,
     /// Whether there were casters.

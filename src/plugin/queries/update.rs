@@ -4,10 +4,10 @@ use super::index::{IndexedCollider, SpatialIndex, SpatialQueryError};
 use crate::asset::CollisionMesh;
 use crate::plugin::collisions::StepReport;
 use crate::plugin::components::{ColliderDisabled, MeshCollider, RigidBodyDisabled, Sensor};
-use crate::plugin::snapshot::Snapshot;
 use crate::plugin::sync::Step;
 use crate::plugin::sync::hierarchy::{self, Above, Node, Placed, above, affine, decompose, parent_in, place};
 use crate::plugin::sync::planes::{IsPlane, PlaneComponents};
+use crate::state::Motion;
 use crate::types::body::{CollisionLayers, RigidBody};
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
@@ -33,14 +33,14 @@ use std::collections::BTreeMap;
 pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Colliders) {
     if colliders.step.as_ref().is_some_and(|step| step.is_resident()) {
         // What was read from components, for example while the device was opened, is no longer true.
-        if !index.is_from_snapshot {
+        if !index.has_given_poses {
             index.clear();
             index.fault = Some(SpatialQueryError::Resident);
         }
         return;
     }
     colliders.read(&mut index, &|_| None);
-    index.is_from_snapshot = false;
+    index.has_given_poses = false;
 }
 
 /// The same after a step, if any system asks.
@@ -57,12 +57,12 @@ pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Res<StepReport>, col
     }
 }
 
-/// Makes questions see the bodies at the poses of a [`Snapshot`], until the next call or, but for
-/// [`Readback::Resident`](crate::plugin::settings::Readback::Resident), the next step.
-pub fn update_spatial_queries_from(world: &mut World, snapshot: &Snapshot) {
-    let poses = snapshot
-        .bodies()
-        .map(|(entity, motion)| (entity, (motion.position, motion.rotation)));
+/// Makes questions see bodies at these poses, until the next call or, but for
+/// [`Readback::Resident`](crate::plugin::settings::Readback::Resident), the next step. The poses of a
+/// [`Snapshot`](crate::plugin::snapshot::Snapshot) are `snapshot.bodies()`.
+pub fn update_spatial_queries_from<'a>(world: &mut World, bodies: impl IntoIterator<Item = (Entity, &'a Motion)>) {
+    let pose_of = |motion: &Motion| (motion.position, motion.rotation);
+    let poses = bodies.into_iter().map(|(body, motion)| (body, pose_of(motion)));
     let poses: Poses = poses.collect();
     if let Err(error) = world.run_system_cached_with(read_with, poses) {
         error!("{error}");
@@ -74,7 +74,7 @@ type Poses = BTreeMap<Entity, (Vec3, Quat)>;
 
 fn read_with(In(poses): In<Poses>, mut index: ResMut<SpatialIndex>, colliders: Colliders) {
     colliders.read(&mut index, &|entity| poses.get(&entity).copied());
-    index.is_from_snapshot = true;
+    index.has_given_poses = true;
 }
 
 /// The components of a collider.

@@ -6,7 +6,7 @@ use crate::plugin::sync::order::{Keyed, entity_of};
 use bevy::ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 
 impl MapEntities for Snapshot {
-    /// Replaces the entities of bodies, colliders and planes.
+    /// Replaces the entities of bodies, colliders, planes and characters.
     ///
     /// If all of them have a [`StableKey`](crate::plugin::components::StableKey), steps continue to the bit. Others may come in
     /// another order, which gives other bits, and wake if they sleep.
@@ -34,6 +34,13 @@ impl MapEntities for Snapshot {
             .collect();
         mapped.far = driven.far.into_iter().map(|body| mapper.get_mapped(body)).collect();
         self.driven = mapped;
+        let characters = std::mem::take(&mut self.characters);
+        self.characters = (characters.into_iter())
+            .map(|(character, mut state)| {
+                state.map_entities(mapper);
+                (mapper.get_mapped(character), state)
+            })
+            .collect();
         let mut keys = EntityHashMap::default();
         for entity in self.memory.keys().iter().copied().filter_map(entity_of) {
             keys.insert(entity, Keyed::new(mapper.get_mapped(entity), None).key);

@@ -1,5 +1,6 @@
 //! [`Snapshot`]: saves and restores the state of a simulation.
 
+mod characters;
 mod map;
 mod plain;
 
@@ -15,12 +16,13 @@ use crate::step::StepMemory;
 use crate::step::gpu::memory::DeviceMemory;
 use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody, Sleeping};
 use bevy::prelude::*;
+use characters::CharacterState;
 use plain::Plain;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The state of the simulation after a step: poses and velocities of all bodies, reported collisions, sleep states, and
-/// the solver's memory.
+/// The state of the simulation after a step: poses and velocities of all bodies and characters, reported collisions, sleep
+/// states, and the solver's memory.
 ///
 /// The [guide](crate::guide::choose_settings#the-same-bits) tells what gives the same bits, also on two machines.
 ///
@@ -77,6 +79,7 @@ pub struct Snapshot {
     nested: NestedBodies,
     /// Kinematic bodies that move by their `Transform`.
     driven: DrivenBodies,
+    characters: BTreeMap<Entity, CharacterState>,
     /// The solver's memory from step to step.
     memory: StepMemory,
     manifolds: Manifolds,
@@ -112,6 +115,7 @@ impl Snapshot {
                 (entity, motion)
             })
             .collect();
+        let characters = characters::take(world);
         let Some(mut step) = world.get_resource_mut::<Step>() else {
             return Self::default();
         };
@@ -126,6 +130,7 @@ impl Snapshot {
             touching: step.touching.clone(),
             nested: step.nested.clone(),
             driven: step.driven.at_rest(),
+            characters,
             ..default()
         };
         snapshot.take_memory(&mut step);
@@ -148,12 +153,8 @@ impl Snapshot {
         self.manifolds.copy_from(&step.state.results.manifolds);
     }
 
-    /// Restores the state of all bodies. Pending results of later steps are dropped. Bodies that were spawned since
-    /// then keep their state. Returns the bodies that no longer exist.
-    ///
-    /// Of a [`Character`](crate::plugin::character::Character) the snapshot has the pose only if it is a body, and nothing
-    /// else. Each of them looks for its ground anew in the next step. To have it go on from where it was, insert the
-    /// `Transform`, `Character` and `CharacterGround` that it had then, after this. [`SnapshotRestored`] is triggered at the end.
+    /// Restores the state of all bodies and characters. Pending results of later steps are dropped. Those that were spawned
+    /// since then keep their state. Returns those that no longer exist.
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         let mut gone = Vec::new();
         for (&entity, motion) in &self.bodies {
@@ -179,6 +180,11 @@ impl Snapshot {
             }
         }
         self.restore_nested(world);
+        for (&entity, character) in &self.characters {
+            if !character.restore(entity, world) && !self.bodies.contains_key(&entity) {
+                gone.push(entity);
+            }
+        }
         // These poses are those of a step. What others write from now on places bodies.
         let written_at = world.increment_change_tick();
         if let Some(mut step) = world.get_resource_mut::<Step>() {
@@ -187,7 +193,6 @@ impl Snapshot {
             step.touching.clone_from(&self.touching);
             self.restore_memory(&mut step);
         }
-        world.trigger(SnapshotRestored);
         gone
     }
 
@@ -259,11 +264,6 @@ impl Snapshot {
         self.bodies.iter().map(|(&entity, motion)| (entity, motion))
     }
 }
-
-/// [`Snapshot::restore`] has put the bodies of a world back. What a game remembers of where bodies were may not hold any more.
-#[derive(Event, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[reflect(Event, Default, Debug, PartialEq)]
-pub struct SnapshotRestored;
 
 /// Notes that the pose of a body is that of a step.
 fn keep_pose(body: &mut EntityWorldMut) {

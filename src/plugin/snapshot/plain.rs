@@ -1,6 +1,7 @@
 //! What is written of a [`Snapshot`]: lists of plain numbers, with entities as their bits.
 
 use super::Snapshot;
+use super::characters::PlainCharacter;
 use crate::manifolds::Manifolds;
 use crate::plugin::sync::Touching;
 use crate::plugin::sync::driven::DrivenBodies;
@@ -16,10 +17,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Grows with every change of what is written.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// The bits of an [`Entity`].
-type Bits = u64;
+pub(super) type Bits = u64;
 
 /// A pose: position and rotation.
 type Pose = (Vec3, Quat);
@@ -34,6 +35,7 @@ pub(super) struct Plain {
     /// Kinematic bodies that move by their `Transform`.
     driven: Vec<(Bits, Pose)>,
     driven_far: Vec<Bits>,
+    characters: Vec<PlainCharacter>,
     memory: StepMemory,
     manifolds: Manifolds,
 }
@@ -66,6 +68,8 @@ pub(super) enum PlainFault {
     Entity(Bits),
     #[error("the snapshot is damaged: the pose of the kinematic body {0} is not finite")]
     Driven(Entity),
+    #[error("the snapshot is damaged: the ground of the character {0} has numbers that are not valid")]
+    Ground(Entity),
     #[error("the snapshot is damaged: {0}")]
     Memory(#[from] MemoryFault),
 }
@@ -78,6 +82,7 @@ impl From<Snapshot> for Plain {
             touching,
             nested,
             driven,
+            characters,
             memory,
             manifolds,
             asleep,
@@ -104,6 +109,9 @@ impl From<Snapshot> for Plain {
             nested,
             driven: poses,
             driven_far,
+            characters: (characters.into_iter())
+                .map(|(character, state)| PlainCharacter::new(character, state))
+                .collect(),
             memory,
             manifolds,
         }
@@ -123,6 +131,7 @@ impl TryFrom<Plain> for Snapshot {
             nested,
             driven,
             driven_far,
+            characters,
             memory,
             manifolds,
         } = plain;
@@ -158,12 +167,15 @@ impl TryFrom<Plain> for Snapshot {
             bodies.far.insert(entity(body)?);
         }
         snapshot.driven = bodies;
+        snapshot.characters = (characters.into_iter())
+            .map(PlainCharacter::state)
+            .collect::<Result<_, _>>()?;
         snapshot.sort();
         Ok(snapshot)
     }
 }
 
-fn entity(bits: Bits) -> Result<Entity, PlainFault> {
+pub(super) fn entity(bits: Bits) -> Result<Entity, PlainFault> {
     Entity::try_from_bits(bits).ok_or(PlainFault::Entity(bits))
 }
 

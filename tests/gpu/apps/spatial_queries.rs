@@ -67,7 +67,7 @@ fn resident(_: &Gpu) {
     assert_eq!(look_down(&mut sim), (None, Err(SpatialQueryError::Resident)));
     sim.step(4);
     let snapshot = Snapshot::take(sim.world());
-    update_spatial_queries_from(sim.world(), &snapshot);
+    update_spatial_queries_from(sim.world(), snapshot.bodies());
     let (_, motion) = snapshot.bodies().find(|(entity, _)| *entity == cube).unwrap();
     for _ in 0..2 {
         let (hit, answers) = look_down(&mut sim);

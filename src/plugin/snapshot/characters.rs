@@ -1,0 +1,145 @@
+//! The characters of a [`Snapshot`](super::Snapshot).
+
+use super::plain::{Bits, PlainFault, entity};
+use crate::plugin::character::{Anchor, Character, CharacterGround, GroundContact};
+use bevy::ecs::entity::{EntityMapper, MapEntities};
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What a step writes of a [`Character`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CharacterState {
+    /// Of its `Transform`.
+    translation: Vec3,
+    velocity: Vec3,
+    ground: CharacterGround,
+}
+
+/// The states of all characters.
+pub(super) fn take(world: &mut World) -> BTreeMap<Entity, CharacterState> {
+    let mut characters = world.query::<(Entity, &Transform, &Character, &CharacterGround)>();
+    (characters.iter(world))
+        .map(|(entity, transform, character, &ground)| {
+            let state = CharacterState {
+                translation: transform.translation,
+                velocity: character.velocity,
+                ground,
+            };
+            (entity, state)
+        })
+        .collect()
+}
+
+impl CharacterState {
+    /// Returns whether the entity exists.
+    pub(super) fn restore(&self, entity: Entity, world: &mut World) -> bool {
+        let Ok(mut entity) = world.get_entity_mut(entity) else {
+            return false;
+        };
+        let Some(mut character) = entity.get_mut::<Character>() else {
+            return true;
+        };
+        character.velocity = self.velocity;
+        if let Some(mut transform) = entity.get_mut::<Transform>() {
+            transform.translation = self.translation;
+        }
+        if let Some(mut ground) = entity.get_mut::<CharacterGround>() {
+            *ground = self.ground;
+        }
+        true
+    }
+}
+
+impl MapEntities for CharacterState {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        if let Some(contact) = &mut self.ground.0 {
+            contact.map_entities(mapper);
+        }
+    }
+}
+
+/// What is written of a character.
+#[derive(Serialize, Deserialize)]
+pub(super) struct PlainCharacter {
+    character: Bits,
+    translation: Vec3,
+    velocity: Vec3,
+    ground: Option<PlainGround>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct PlainGround {
+    collider: Bits,
+    body: Bits,
+    face: Option<u32>,
+    point: Vec3,
+    normal: Vec3,
+    velocity: Vec3,
+    angular_velocity: Vec3,
+    anchor: Anchor,
+}
+
+impl PlainCharacter {
+    pub(super) fn new(character: Entity, state: CharacterState) -> Self {
+        Self {
+            character: character.to_bits(),
+            translation: state.translation,
+            velocity: state.velocity,
+            ground: state.ground.0.map(PlainGround::from),
+        }
+    }
+
+    pub(super) fn state(self) -> Result<(Entity, CharacterState), PlainFault> {
+        let character = entity(self.character)?;
+        let ground = self.ground.map(GroundContact::try_from).transpose()?;
+        let is_finite = ground.is_none_or(|contact| {
+            let vectors = [contact.point, contact.velocity, contact.angular_velocity];
+            vectors.iter().all(|vector| vector.is_finite())
+                && contact.normal.is_normalized()
+                && contact.anchor.point.is_finite()
+                && contact.anchor.rotation.is_normalized()
+        });
+        if !is_finite {
+            return Err(PlainFault::Ground(character));
+        }
+        let state = CharacterState {
+            translation: self.translation,
+            velocity: self.velocity,
+            ground: CharacterGround(ground),
+        };
+        Ok((character, state))
+    }
+}
+
+impl From<GroundContact> for PlainGround {
+    fn from(contact: GroundContact) -> Self {
+        Self {
+            collider: contact.collider.to_bits(),
+            body: contact.body.to_bits(),
+            face: contact.face,
+            point: contact.point,
+            normal: contact.normal,
+            velocity: contact.velocity,
+            angular_velocity: contact.angular_velocity,
+            anchor: contact.anchor,
+        }
+    }
+}
+
+impl TryFrom<PlainGround> for GroundContact {
+    type Error = PlainFault;
+
+    fn try_from(plain: PlainGround) -> Result<Self, PlainFault> {
+        Ok(Self {
+            collider: entity(plain.collider)?,
+            body: entity(plain.body)?,
+            face: plain.face,
+            point: plain.point,
+            normal: plain.normal,
+            velocity: plain.velocity,
+            angular_velocity: plain.angular_velocity,
+            anchor: plain.anchor,
+        })
+    }
+}
