@@ -21,7 +21,10 @@ pub struct ImpactScratch {
     times: Vec<f64>,
     /// For each pair whether its bodies no longer stop each other.
     ignored: Vec<bool>,
-    /// The motion of each body, once there is an impact.
+    /// The bodies of the pairs, ascending, and for each pair the places of its two in this list.
+    members: Vec<u32>,
+    places: Vec<[u32; 2]>,
+    /// The motion of each of them, once there is an impact.
     motions: Vec<Motion>,
     /// Numbers of the pairs whose time must be recomputed, and the new times.
     outdated: Vec<u32>,
@@ -42,12 +45,14 @@ pub struct Impact {
 /// The motion of a body from some time on.
 #[derive(Clone, Copy)]
 struct Motion {
+    /// Number of the body.
+    body: u32,
     /// Start of this motion, 0 to 1.
     from: f64,
     /// From then to the end of the collision substep.
     sweep: Sweep,
-    /// Bodies of the same group move together. Its name is the number of the body that carries the others, if there is
-    /// one, otherwise the smallest number in it.
+    /// Bodies of the same group move together. Its name is the place of the body that carries the others, if there is one,
+    /// otherwise the smallest place in it.
     group: u32,
     /// Time of its first impact, infinite if there is none.
     first_impact: f64,
@@ -74,7 +79,8 @@ const MAX_HALVINGS: u32 = 12;
 ///
 /// For pairs that start nearer than `target_distance` that distance is halved, up to 12 times. Pairs that start nearer
 /// than the smallest, or overlap, collide at once. `sweeps` and `continuous` have an entry for each of `bodies`;
-/// missing entries count as not continuous. Pairs are pairs of colliders, and bodies have the numbers of their first ones. `pairs` must include all pairs whose bounding spheres overlap anywhere on
+/// missing entries count as not continuous. Only sweeps of bodies in `pairs` matter. Pairs are pairs of colliders, and
+/// bodies have the numbers of their first ones. `pairs` must include all pairs whose bounding spheres overlap anywhere on
 /// their paths. `target_distance` is how near each pair may come, metres. Bodies that are carried keep to their
 /// [`LockedAxes`](crate::types::body::LockedAxes), and are not carried into `planes`. Runs on rayon's current thread
 /// pool, outside of a pool on the calling thread; the same input gives the same bits with any number of threads.
@@ -97,6 +103,8 @@ pub fn find_impacts(
         workers,
         times,
         ignored,
+        members,
+        places,
         motions,
         outdated,
         new_times,
@@ -140,22 +148,36 @@ pub fn find_impacts(
         return;
     }
 
+    members.clear();
+    let exist = pairs.iter().zip(&*ignored).filter(|(_, ignored)| !**ignored);
+    members.extend(exist.flat_map(|(&pair, _)| bodies_of(pair)));
+    members.sort_unstable();
+    members.dedup();
+    places.clear();
+    places.extend(pairs.iter().zip(&*ignored).map(|(&pair, &ignored)| {
+        if ignored {
+            return [0; 2];
+        }
+        bodies_of(pair).map(|body| members.partition_point(|&member| member < body) as u32)
+    }));
     motions.clear();
-    motions.extend((0..).zip(&sweeps[..count]).map(|(group, &sweep)| Motion {
+    motions.extend((0..).zip(&*members).map(|(group, &body)| Motion {
+        body,
         from: 0.0,
-        sweep,
+        sweep: sweeps[body as usize],
         group,
         first_impact: f64::INFINITY,
         has_changed: false,
     }));
+    let is_continuous = |member: u32| is_continuous(members[member as usize]);
     // Of pairs with the same time the first comes first.
     while let Some((at, &time)) = (times.iter().enumerate())
         .filter(|(_, time)| **time < 1.0)
         .min_by(|one, other| one.1.total_cmp(other.1))
     {
         times[at] = f64::INFINITY;
-        let pair_bodies = bodies_of(pairs[at]);
-        let groups = pair_bodies.map(|i| motions[i as usize].group);
+        let pair = places[at];
+        let groups = pair.map(|i| motions[i as usize].group);
         if groups[0] == groups[1] {
             continue;
         }
@@ -168,20 +190,19 @@ pub fn find_impacts(
                 motion.group == groups[0]
             }),
             [true, true] => {
-                let mobility = |group: u32| match bodies.kind[group as usize] {
+                let mobility = |group: u32| match bodies.kind[members[group as usize] as usize] {
                     RigidBody::Static => 0,
                     RigidBody::Kinematic => 1,
                     RigidBody::Dynamic => 2,
                 };
                 let [one, other] = groups.map(mobility);
                 // Of two of the same kind the one yields that is continuous.
-                let last = other > one || (other == one && !is_continuous(pair_bodies[0]));
-                let (yielding, carrier) = (pair_bodies[usize::from(last)], groups[usize::from(!last)]);
+                let last = other > one || (other == one && !is_continuous(pair[0]));
+                let (yielding, carrier) = (pair[usize::from(last)], groups[usize::from(!last)]);
                 ignored[at] = true;
-                if is_continuous(yielding) && (one != other || pair_bodies.into_iter().all(is_continuous)) {
+                if is_continuous(yielding) && (one != other || pair.into_iter().all(is_continuous)) {
                     let old_group = motions[yielding as usize].group;
-                    for (ignored, pair) in ignored.iter_mut().zip(pairs).filter(|(ignored, _)| !**ignored) {
-                        let pair = bodies_of(*pair);
+                    for (ignored, pair) in ignored.iter_mut().zip(&*places).filter(|(ignored, _)| !**ignored) {
                         let others = pair.contains(&yielding)
                             && pair
                                 .iter()
@@ -197,13 +218,12 @@ pub fn find_impacts(
             if ignored[at as usize] {
                 return false;
             }
-            let [a, b] = bodies_of(pairs[at as usize]).map(|i| i as usize);
+            let [a, b] = places[at as usize].map(|i| i as usize);
             (motions[a].has_changed || motions[b].has_changed) && motions[a].group != motions[b].group
         }));
         let next_times = outdated.par_iter().map(|&at| {
-            let pair = pairs[at as usize];
-            let [a, b] = bodies_of(pair).map(|i| motions[i as usize].after(time));
-            time + (1.0 - time) * time_of_impact(pair, [&a, &b])
+            let [a, b] = places[at as usize].map(|i| motions[i as usize].after(time));
+            time + (1.0 - time) * time_of_impact(pairs[at as usize], [&a, &b])
         });
         loops::collect(next_times, 1, new_times);
         for (&at, &time) in outdated.iter().zip(&*new_times) {
@@ -213,16 +233,12 @@ pub fn find_impacts(
             motion.has_changed = false;
         }
     }
-    impacts.extend(
-        (0..)
-            .zip(&*motions)
-            .filter(|(_, motion)| motion.first_impact < 1.0)
-            .map(|(body, motion)| Impact {
-                body,
-                fraction: rounded_down(motion.first_impact),
-                end: motion.sweep.at(1.0),
-            }),
-    );
+    let stopped = motions.iter().filter(|motion| motion.first_impact < 1.0);
+    impacts.extend(stopped.map(|motion| Impact {
+        body: motion.body,
+        fraction: rounded_down(motion.first_impact),
+        end: motion.sweep.at(1.0),
+    }));
 }
 
 /// Merges two groups of continuous bodies, which move together from `time` on. Two groups of the same size get the mean
@@ -231,7 +247,8 @@ pub fn find_impacts(
 fn merge_groups(bodies: &Bodies, planes: &[Plane], motions: &mut [Motion], groups: [u32; 2], time: f64) {
     let (mut momentum, mut mass) = ([DVec3::ZERO; 2], [0.0; 2]);
     let mut members = [0, 0];
-    for (motion, &inverse_mass) in motions.iter().zip(&bodies.inverse_mass) {
+    for motion in motions.iter() {
+        let inverse_mass = bodies.inverse_mass[motion.body as usize];
         for side in 0..2 {
             if motion.group == groups[side] {
                 // Bodies without a valid mass have equal weights.
@@ -252,22 +269,19 @@ fn merge_groups(bodies: &Bodies, planes: &[Plane], motions: &mut [Motion], group
         Ordering::Less => momentum[1] / mass[1],
     };
     let mut common = travel;
-    for (i, motion) in motions
-        .iter()
-        .enumerate()
-        .filter(|(_, motion)| groups.contains(&motion.group))
-    {
-        common = limit_penetration(bodies, planes, i, &motion.after(time), common);
+    for motion in motions.iter().filter(|motion| groups.contains(&motion.group)) {
+        common = limit_penetration(bodies, planes, motion.body as usize, &motion.after(time), common);
     }
     let group = groups[0].min(groups[1]);
-    for (i, motion) in motions.iter_mut().enumerate() {
+    for motion in motions.iter_mut() {
         let Some(side) = groups.iter().position(|&group| group == motion.group) else {
             continue;
         };
         if members[side] > members[1 - side] && common == travel {
             motion.group = group;
         } else {
-            let free = bodies.params[i].locked_axes.free_translation().as_dvec3();
+            let free = bodies.params[motion.body as usize].locked_axes.free_translation();
+            let free = free.as_dvec3();
             motion.change(time, group, common * free, DVec3::ZERO);
         }
     }
@@ -277,7 +291,7 @@ fn merge_groups(bodies: &Bodies, planes: &[Plane], motions: &mut [Motion], group
 /// have already limited.
 fn limit_penetration(bodies: &Bodies, planes: &[Plane], i: usize, own: &Sweep, mut travel: DVec3) -> DVec3 {
     for plane in planes {
-        if !bodies.layers[i].interacts_with(plane.layers) {
+        if plane.sensor || !bodies.layers[i].interacts_with(plane.layers) {
             continue;
         }
         let normal = plane.normal.as_dvec3();
@@ -293,7 +307,7 @@ fn limit_penetration(bodies: &Bodies, planes: &[Plane], i: usize, own: &Sweep, m
     travel
 }
 
-/// From `time` on the selected bodies are carried by body `carrier`, as if rigidly attached to it.
+/// From `time` on the selected bodies are carried by that at the place `carrier`, as if rigidly attached to it.
 fn carry(
     bodies: &Bodies,
     planes: &[Plane],
@@ -316,8 +330,9 @@ fn carry(
         } else {
             rotation * offset - offset
         };
-        let locked = bodies.params[i as usize].locked_axes;
-        let travel = limit_penetration(bodies, planes, i as usize, &own, carrying.travel + rotation_travel);
+        let body = motion.body as usize;
+        let locked = bodies.params[body].locked_axes;
+        let travel = limit_penetration(bodies, planes, body, &own, carrying.travel + rotation_travel);
         let travel = travel * locked.free_translation().as_dvec3();
         motion.change(time, carrier, travel, carrying.turn * locked.free_rotation().as_dvec3());
     }
@@ -334,6 +349,7 @@ impl Motion {
     /// Replaces the motion from `time` on.
     fn change(&mut self, time: f64, group: u32, travel: DVec3, turn: DVec3) {
         *self = Self {
+            body: self.body,
             from: time,
             sweep: Sweep {
                 before: self.after(time).before,

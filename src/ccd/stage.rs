@@ -15,6 +15,9 @@ const TARGET_DISTANCE: f32 = 0.25;
 /// Impacts of the step so far, and memory that is reused.
 #[derive(Default)]
 pub(crate) struct Ccd {
+    /// The bodies of the pairs, ascending.
+    members: Vec<u32>,
+    /// By number of body.
     sweeps: Vec<Sweep>,
     continuous: Vec<bool>,
     pairs: Vec<[u32; 2]>,
@@ -63,6 +66,7 @@ impl Ccd {
         mut on_sensor_touch: impl FnMut([u32; 2], Contact),
     ) {
         let Self {
+            members,
             sweeps,
             continuous,
             pairs: solid_pairs,
@@ -101,8 +105,15 @@ impl Ccd {
         if solid_pairs.is_empty() && sensor_pairs.is_empty() {
             return;
         }
-        sweeps.clear();
-        sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, solver_bodies, i)));
+        // Those of bodies in no pair are not needed, and keep what is there.
+        sweeps.resize(bodies.len(), Sweep::default());
+        members.clear();
+        members.extend(solid_pairs.iter().chain(&*sensor_pairs).flatten().map(|&i| body_of(i)));
+        members.sort_unstable();
+        members.dedup();
+        for &body in members.iter() {
+            sweeps[body as usize] = sweep(bodies, solver_bodies, body as usize);
+        }
         find_impacts(
             bodies,
             meshes,
@@ -159,7 +170,7 @@ impl Ccd {
     }
 }
 
-/// The motion of the body of collider `i` from its pose in `bodies` to that in `solver_bodies`.
+/// The motion of body `i` from its pose in `bodies` to that in `solver_bodies`.
 fn sweep(bodies: &Bodies, solver_bodies: &SolverBodies, i: usize) -> Sweep {
     let before = match bodies.compound_of(i as u32) {
         Some(compound) => Pose {
@@ -171,7 +182,7 @@ fn sweep(bodies: &Bodies, solver_bodies: &SolverBodies, i: usize) -> Sweep {
             rotation: bodies.rotation[i].as_dquat().normalize(),
         },
     };
-    let motion = &solver_bodies.motions[bodies.body_of(i as u32) as usize];
+    let motion = &solver_bodies.motions[i];
     let after = Pose {
         center: motion.center,
         rotation: motion.rotation,

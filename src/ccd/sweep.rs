@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 /// Position and rotation of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Centre of mass in the world, metres.
     pub center: DVec3,
@@ -13,7 +13,7 @@ pub struct Pose {
 
 /// The motion of a body during a collision substep: its centre of mass moves along a line at constant velocity, and it
 /// rotates about it at constant angular velocity. Times are fractions of the collision substep, 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sweep {
     /// The pose at the start.
     pub before: Pose,
