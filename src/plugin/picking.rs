@@ -24,7 +24,7 @@
 //!     .run();
 //! ```
 
-use super::queries::{RayHitData, SpatialQuery, SpatialQueryFilter};
+use super::queries::{SpatialQuery, SpatialQueryFilter};
 use bevy::camera::Camera;
 use bevy::picking::PickingSystems;
 use bevy::picking::backend::prelude::*;
@@ -92,40 +92,25 @@ fn pick(
         if settings.require_markers && picking.is_none() {
             continue;
         }
-        let filter = picking.unwrap_or(&by_default);
-        let mut picks = Vec::new();
+        let filter = &picking.unwrap_or(&by_default).0;
+        let is_wanted = |collider| match pickables.get(collider) {
+            Ok(pickable) => pickable.is_hoverable || pickable.should_block_lower,
+            Err(_) => !settings.require_markers,
+        };
+        let mut picks: Vec<(Entity, HitData)> = Vec::new();
         // The nearest one, and those behind it as far as they get events.
-        let mut filter = filter.0.clone();
-        while let Some(hit) = nearest(&world, ray, &filter, &pickables, settings.require_markers) {
+        while let Some(hit) = world.cast_ray_predicate(ray.origin, ray.direction, f32::INFINITY, filter, |hit| {
+            is_wanted(hit.collider) && picks.iter().all(|(collider, _)| *collider != hit.collider)
+        }) {
             let data = HitData::new_with_extra(id.camera, hit.distance, Some(hit.point), Some(hit.normal), hit);
             picks.push((hit.collider, data));
-            filter.excluded.insert(hit.collider);
-            if pickables.get(hit.collider).is_ok_and(|p| !p.should_block_lower) {
-                continue;
+            let pickable = pickables.get(hit.collider).ok();
+            if pickable.is_none_or(|pickable| pickable.should_block_lower) {
+                break;
             }
-            break;
         }
         if !picks.is_empty() {
             pointer_hits.write(PointerHits::new(id.pointer, picks, camera.order as f32));
         }
     }
-}
-
-fn nearest(
-    world: &SpatialQuery,
-    ray: &Ray3d,
-    filter: &SpatialQueryFilter,
-    pickables: &Query<&Pickable>,
-    require_markers: bool,
-) -> Option<RayHitData> {
-    world.cast_ray_predicate(
-        ray.origin,
-        ray.direction,
-        f32::INFINITY,
-        filter,
-        |hit| match pickables.get(hit.collider) {
-            Ok(pickable) => pickable.is_hoverable || pickable.should_block_lower,
-            Err(_) => !require_markers,
-        },
-    )
 }

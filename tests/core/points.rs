@@ -5,7 +5,7 @@ use crate::support::{
 };
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::queries::Placed;
+use bevy_faceoff::queries::{Placed, Scene};
 use glam::{DQuat, DVec3, Vec3};
 
 #[test]
@@ -173,4 +173,43 @@ fn a_segment_beside_a_mesh_is_as_far_as_a_test_of_all_faces_says() {
         assert_eq!(placed.closest_to_segment(ends, f64::INFINITY), None);
     }
     assert_eq!(placed.closest_to_segment(through, -1.0), None);
+}
+
+/// However far away the point is, beside the scene and across from it.
+#[test]
+fn the_nearest_mesh_of_a_scene_is_that_of_a_test_of_all_meshes() {
+    let mut random = Random::new(13);
+    let meshes = [shapes::cube(1.0), shapes::torus_240(), open_torus()].map(|mesh| CollisionMesh::new(&mesh));
+    let (mut near, mut beyond) = (0, 0);
+    for round in 0..60 {
+        let mut scene = Scene::default();
+        for number in 0..[2, 3, 40][round % 3] {
+            let (translation, rotation) = (random.vector() * 20.0, random.rotation());
+            let scale = random.scale();
+            scene
+                .add_mesh(&meshes[number % 3], translation, rotation, scale)
+                .unwrap();
+        }
+        for away in [1.0, 3.0, 10.0, 1e2, 1e3, 1e5, 1e7] {
+            for _ in 0..20 {
+                let point = random.vector().normalize() * 20.0 * away;
+                let to_each = (0..scene.len()).filter_map(|number| {
+                    let hit = scene.placed(number)?.closest_point(point, f64::INFINITY)?;
+                    Some(hit.distance)
+                });
+                let least = to_each.fold(f64::INFINITY, f64::min);
+                let hit = scene.closest_point(point, f64::INFINITY, |_| true).unwrap();
+                assert_eq!(hit.distance, least, "from {point}");
+                let within = scene.closest_point(point, least, |_| true);
+                assert_eq!(within.map(|hit| hit.distance), Some(least), "from {point}");
+                let most = least * (1.0 - 1e-9) - 1e-9;
+                if most > 0.0 {
+                    assert!(scene.closest_point(point, most, |_| true).is_none());
+                    beyond += 1;
+                }
+                near += 1;
+            }
+        }
+    }
+    assert!(near == 8400 && beyond > 8000, "{near} {beyond}");
 }

@@ -382,7 +382,7 @@ pub fn a_shape_caster_keeps_what_it_runs_into() {
     let body = sim.spawn((RigidBody::Dynamic, cube.clone(), Transform::default()));
     let ball = CasterShape::Ball { radius: 0.25 };
     let eye = sim.spawn((
-        ShapeCaster::new(ball, Vec3::ZERO, Dir3::X).with_max_hits(3),
+        ShapeCaster::new(ball, Vec3::ZERO, Dir3::X).with_max_hits(4),
         ChildOf(body),
     ));
     // The ball flies through the hole of the first ring, and not through that of the second.
@@ -395,7 +395,9 @@ pub fn a_shape_caster_keeps_what_it_runs_into() {
         .with_scale(Vec3::splat(0.5));
     let wide = sim.spawn((ring.clone(), wide));
     let narrow = sim.spawn((ring, narrow));
-    let wall = sim.spawn((cube.clone(), Transform::from_xyz(9.0, 0.0, 0.0)));
+    let wall = sim.spawn((RigidBody::Static, cube.clone(), Transform::from_xyz(9.0, 0.0, 0.0)));
+    // Of the same body.
+    let behind = sim.spawn((cube.clone(), Transform::from_xyz(1.5, 0.0, 0.0), ChildOf(wall)));
     let plane = sim.spawn(PlaneCollider::through(Vec3::X * 12.0, Vec3::NEG_X));
     sim.step(1);
     let colliders = |sim: &Sim| {
@@ -404,9 +406,9 @@ pub fn a_shape_caster_keeps_what_it_runs_into() {
             .map(|hit| hit.collider)
             .collect::<Vec<_>>()
     };
-    assert_eq!(colliders(&sim), [narrow, wall, plane]);
+    assert_eq!(colliders(&sim), [narrow, wall, behind, plane]);
     let hits = sim.get::<ShapeHits>(eye);
-    assert!((hits[1].distance - 8.25).abs() < 1e-6 && (hits[2].distance - 11.75).abs() < 1e-6);
+    assert!((hits[1].distance - 8.25).abs() < 1e-6 && (hits[3].distance - 11.75).abs() < 1e-6);
     assert_near(hits[1].normal, Vec3::NEG_X, 1e-6);
     assert!((hits[1].point.x - 8.5).abs() < 1e-6);
     sim.world().despawn(wide);

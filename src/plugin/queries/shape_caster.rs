@@ -195,19 +195,15 @@ pub(super) fn cast_shapes(
             && let Some((Isometry3d { translation, rotation }, direction)) = start
             && let Some(shape) = caster.shape.as_query(&meshes)
         {
-            while found.len() < caster.max_hits
-                && let Some(hit) = world.cast_shape(
-                    &shape,
-                    translation.into(),
-                    rotation,
-                    direction,
-                    caster.max_distance,
-                    &filter,
-                )
-            {
-                filter.excluded.insert(hit.collider);
-                found.push(hit);
-            }
+            found = world.shape_hits(
+                &shape,
+                translation.into(),
+                rotation,
+                direction,
+                caster.max_distance,
+                caster.max_hits,
+                &filter,
+            );
         }
         hits.set_if_neq(ShapeHits(found));
     }

@@ -6,6 +6,7 @@ use super::index::{SpatialIndex, SpatialQueryError};
 use super::update::update_spatial_queries;
 use crate::queries::{QueryShape, Ray, SceneRayHit, SceneSegmentHit};
 use bevy::ecs::system::SystemParam;
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
 /// Asks which colliders and planes are where: rays, points, overlaps and casts, exact on the triangles.
@@ -166,15 +167,38 @@ impl SpatialQuery<'_, '_> {
         max_distance: f32,
         filter: &SpatialQueryFilter,
     ) -> Option<ShapeHitData> {
-        let hit = self.index.scene()?.cast(
-            shape,
-            translation.as_dvec3(),
-            rotation.as_dquat(),
-            direction.as_dvec3(),
-            max_distance.into(),
-            |number| self.admits(filter, number),
-        )?;
-        Some(ShapeHitData::new(&self.index, &hit))
+        let hits = self.shape_hits(shape, translation, rotation, direction, max_distance, 1, filter);
+        hits.into_iter().next()
+    }
+
+    /// The same for each of the `max_hits` colliders and planes that the shape touches first, in the order of distance, as if it
+    /// went through them.
+    pub fn shape_hits(
+        &self,
+        shape: &QueryShape,
+        translation: Vec3,
+        rotation: Quat,
+        direction: Dir3,
+        max_distance: f32,
+        max_hits: usize,
+        filter: &SpatialQueryFilter,
+    ) -> Vec<ShapeHitData> {
+        let (mut hits, mut passed) = (Vec::new(), HashSet::<usize>::default());
+        while hits.len() < max_hits
+            && let Some(scene) = self.index.scene()
+            && let Some(hit) = scene.cast(
+                shape,
+                translation.as_dvec3(),
+                rotation.as_dquat(),
+                direction.as_dvec3(),
+                max_distance.into(),
+                |number| self.admits(filter, number) && !passed.contains(&number),
+            )
+        {
+            passed.insert(hit.number);
+            hits.push(ShapeHitData::new(&self.index, &hit));
+        }
+        hits
     }
 
     /// The surface that is nearest to a segment: see [`Scene::closest_to_segment`](crate::queries::Scene::closest_to_segment).

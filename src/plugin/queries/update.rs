@@ -127,7 +127,7 @@ impl Colliders<'_, '_> {
                     collider: plane.entity,
                     body: plane.entity,
                     layers: half_space.layers,
-                    is_sensor: false,
+                    is_sensor: half_space.sensor,
                 });
             }
         }

@@ -25,12 +25,24 @@ pub(super) struct Tree {
     /// The numbers of the boxes in the order of the tree.
     order: Vec<u32>,
     levels: Vec<Vec<BoxGroup>>,
-    /// Mean half diagonal of the boxes above those of the lowest level, metres: now, and when the order was found.
-    spread: [f32; 2],
+    spread: Spread,
+    /// That when the order was found.
+    first_spread: Spread,
 }
 
-/// The tree is built anew if its boxes have grown by more than this since.
+/// How large the boxes above those of the lowest level are. Those of the lowest level do not depend on the order.
+#[derive(Clone, Copy, Default)]
+struct Spread {
+    /// Mean half diagonal, metres.
+    size: f32,
+    /// Half the diagonal of all boxes, metres.
+    all: f32,
+}
+
+/// The order is found anew if boxes have grown by more than this since, or have shrunk less than the tree by as much.
 const MAX_SPREAD: f32 = 1.3;
+/// What is asked for counts as no farther away than so many times the size of the tree.
+const FAR: f64 = 1000.0;
 
 impl WorldBox {
     /// The box of one point.
@@ -54,6 +66,13 @@ impl WorldBox {
     }
 }
 
+impl Spread {
+    fn is_like(&self, first: &Self) -> bool {
+        let limit = MAX_SPREAD * first.size;
+        self.size <= limit && self.size * first.all <= limit * self.all
+    }
+}
+
 impl Tree {
     /// A tree over boxes. It takes over the order of `last`, a tree over the same boxes at other places, as long as that
     /// is good.
@@ -61,7 +80,7 @@ impl Tree {
         if boxes.is_empty() {
             return Self::default();
         }
-        let kept = last.filter(|last| last.order.len() == boxes.len() && last.spread[0] <= MAX_SPREAD * last.spread[1]);
+        let kept = last.filter(|last| last.order.len() == boxes.len() && last.spread.is_like(&last.first_spread));
         let (low, high) = (boxes.iter()).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), b| {
             (low.min(b.center - b.half), high.max(b.center + b.half))
         });
@@ -77,14 +96,17 @@ impl Tree {
             }
         };
         let (levels, sizes) = box_levels(order.iter().map(aabb).collect());
-        // The boxes of the lowest level do not depend on the order.
-        let spread = sizes.get(1).copied().unwrap_or_default();
+        let spread = Spread {
+            size: sizes.get(1).copied().unwrap_or_default(),
+            all: radius as f32,
+        };
         Self {
             origin,
             radius,
             order,
             levels,
-            spread: [spread, kept.map_or(spread, |last| last.spread[1])],
+            spread,
+            first_spread: kept.map_or(spread, |last| last.first_spread),
         }
     }
 
@@ -132,13 +154,16 @@ impl Tree {
         if self.order.is_empty() {
             return;
         }
-        // A box far away counts as nearer by the way to the sphere around the tree.
+        // A box far away is moved nearer, so that single precision is enough. All distances shrink by that way, but for a part
+        // of the size: b² / 2x if it is then x away, and what it is near to is up to b beside the way.
         let apart = near.center - self.origin;
-        let outside = (apart.length() - 2.0 * (self.radius + near.half.length())).max(0.0);
+        let size = self.radius + near.half.length();
+        let outside = (apart.length() - FAR * size).max(0.0);
+        let shortfall = if outside > 0.0 { size / FAR } else { 0.0 };
         let from = apart - outside * apart.normalize_or_zero();
-        let error = self.error(3.0 * (self.radius + near.half.length()));
+        let error = self.error(from.length() + near.half.length());
         let limit = |most: f64| {
-            let inside = most - outside;
+            let inside = most - outside + shortfall;
             if inside < 0.0 {
                 f32::NEG_INFINITY
             } else {
