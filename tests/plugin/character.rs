@@ -268,6 +268,65 @@ pub fn rides_a_lift_and_a_turning_platform() {
     assert!((ground.velocity.length() - 2.0).abs() < 0.02);
 }
 
+pub fn ground_that_is_placed_does_not_take_it_along() {
+    for kind in [RigidBody::Kinematic, RigidBody::Dynamic] {
+        let mut sim = world();
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let place = Transform::from_xyz(0.0, -0.5, 0.0).with_scale(Vec3::new(3.0, 1.0, 3.0));
+        let ground_body = sim.spawn((kind, cube, place, GravityScale(0.0)));
+        let character = spawn(&mut sim, Vec3::new(0.5, 0.0, 0.4));
+        sim.step(8);
+        assert_eq!(ground(&sim, character).unwrap().body, ground_body);
+        let before = sim.position(character);
+        sim.set(ground_body, place.with_translation(Vec3::new(-20.0, -0.5, 0.0)));
+        if kind == RigidBody::Kinematic {
+            sim.set(ground_body, Teleport);
+        }
+        sim.step(1);
+        assert_near(sim.position(character), before, 0.01);
+        assert!(ground(&sim, character).is_none());
+        let falls = Vec3::NEG_Y * 9.81 * DT;
+        assert_near(sim.get::<Character>(character).velocity, falls, 1e-4);
+    }
+}
+
+pub fn a_character_that_is_placed_leaves_its_ground() {
+    let mut sim = world();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let ship = sim.spawn((
+        RigidBody::Kinematic,
+        cube,
+        Transform::from_xyz(0.0, -0.5, 0.0).with_scale(Vec3::new(30.0, 1.0, 30.0)),
+        LinearVelocity(Vec3::X * 10.0),
+    ));
+    block(&mut sim, Vec3::new(-5.0, 49.0, -5.0), Vec3::new(5.0, 50.0, 5.0));
+    let pier = Transform::from_xyz(0.0, 50.0 + DEPTH + SKIN, 0.0);
+    let goes_ashore = |sim: &mut Sim, character: Entity| {
+        sim.set(character, pier);
+        for _ in 0..4 {
+            sim.step(1);
+            assert_near(sim.position(character), pier.translation, 0.01);
+            assert_near(sim.get::<Character>(character).velocity, Vec3::ZERO, 0.2);
+        }
+        assert_ne!(ground(sim, character).unwrap().body, ship);
+    };
+    let [walks, drives] = [-1.0, 1.0].map(|z| spawn(&mut sim, Vec3::Z * z));
+    sim.step(4);
+    for character in [walks, drives] {
+        go(&mut sim, character, Vec3::ZERO);
+    }
+    sim.step(20);
+    for character in [walks, drives] {
+        assert_near(ground(&sim, character).unwrap().velocity, Vec3::X * 10.0, 1e-2);
+    }
+    goes_ashore(&mut sim, walks);
+    sim.set(drives, RigidBodyDisabled);
+    sim.step(50);
+    assert!(ground(&sim, drives).is_none());
+    sim.world().entity_mut(drives).remove::<RigidBodyDisabled>();
+    goes_ashore(&mut sim, drives);
+}
+
 pub fn a_lift_that_meets_a_wall_leaves_it_there() {
     let mut sim = world();
     let cube = sim.mesh(&shapes::cube(1.0));

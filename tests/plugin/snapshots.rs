@@ -346,6 +346,15 @@ fn a_character_goes_on_from_a_snapshot() {
             assert_eq!(state(&mut sim), before);
             assert_eq!(goes_on(&mut sim), after);
         }
+        // Who came later stays where it is, also if the platform goes back.
+        let on_it = sim.position(platform) + Vec3::new(2.0, 1.31, 0.0);
+        let late = sim.spawn((Character::new(0.3, 0.5), Transform::from_translation(on_it)));
+        sim.step(60);
+        let at = sim.position(late);
+        let snapshot: Snapshot = ron::from_str(&written).unwrap();
+        snapshot.restore(sim.world());
+        sim.step(1);
+        assert_near(sim.position(late), at, 0.02);
         sim.world().despawn(character);
         let snapshot: Snapshot = ron::from_str(&written).unwrap();
         assert_eq!(snapshot.restore(sim.world()), [character]);

@@ -9,7 +9,9 @@
 //! where they are drawn. In each step it
 //!
 //! 1. is carried along by what it stands on: a point of the ground is remembered in the axes of its collider, so lifts,
-//!    turning platforms and rolling logs all carry. It is not carried into walls.
+//!    turning platforms and rolling logs all carry. It is not carried into walls. Ground that is placed elsewhere does not take it
+//!    along ([`Teleport`](crate::plugin::components::Teleport), or a written `Transform` of a dynamic body), and a character that
+//!    the game places farther away than its radius leaves its ground.
 //! 2. is pushed out of what came into it, or into what it was spawned.
 //! 3. moves with its velocity, and with gravity while it is in the air. Where it meets a surface it goes on along that
 //!    surface. On the ground it keeps its horizontal speed on slopes, and steps onto what is low enough.
@@ -20,12 +22,13 @@
 //! the edges between the faces of a floor.
 
 mod capsule;
+mod placed;
 mod step;
 mod walk;
 
 use crate::plugin::clock;
 use crate::plugin::queries::{SpatialQueryFilter, SpatialQueryPlugin, run_casters, update_after_step};
-use crate::plugin::schedule::FaceoffStep;
+use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use bevy::ecs::entity::MapEntities;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
@@ -153,6 +156,8 @@ pub struct GroundContact {
     pub velocity: Vec3,
     /// How the ground has turned in the last step, rad/s: to turn a character along with its platform.
     pub angular_velocity: Vec3,
+    /// The `Transform` of the character, metres.
+    pub(crate) place: Vec3,
     /// The point in the axes of the collider, and the rotation of these.
     pub(crate) anchor: Anchor,
 }
@@ -181,7 +186,8 @@ impl Plugin for CharacterPlugin {
         // Rays and shapes of casters on characters start where these are after the step.
         let run = run.after(update_after_step).before(run_casters).before(clock::end);
         let run = run.run_if(any_with_component::<Character>).ambiguous_with_all();
-        app.add_systems(FaceoffStep, run);
+        let leave = placed::leave_placed_ground.before(FaceoffSystems::Collect);
+        app.add_systems(FaceoffStep, (leave.ambiguous_with_all(), run));
     }
 }
 

@@ -84,20 +84,27 @@ pub(super) fn move_characters(
             start: to_world.translation.as_vec3(),
             rotation: decompose(&to_world.matrix3).0.as_quat(),
         };
-        let (position, found) = step.run(ground.0, gravity, &places);
+        let above = places.above(entity);
+        let place = places.transform_of(entity).unwrap_or_default().translation;
+        let is_here = |contact: &GroundContact| {
+            let way = above.transform_vector3((place - contact.place).as_dvec3());
+            way.length() <= f64::from(character.radius)
+        };
+        let (position, found) = step.run(ground.0.filter(is_here), gravity, &places);
+        let mut place = place;
         if position != step.start {
-            let down = places.above(entity).inverse();
-            let translation = down.transform_point3(position.as_dvec3()).as_vec3();
+            let translation = above.inverse().transform_point3(position.as_dvec3()).as_vec3();
             if let Ok(mut transform) = places.transforms.get_mut(entity)
                 && translation.is_finite()
             {
+                place = translation;
                 transform.translation = translation;
             }
         }
         if step.character.velocity.is_finite() {
             character.set_if_neq(step.character);
         }
-        ground.set_if_neq(CharacterGround(found));
+        ground.set_if_neq(CharacterGround(found.map(|contact| GroundContact { place, ..contact })));
     }
 }
 
@@ -242,6 +249,7 @@ impl Step<'_, '_, '_> {
             normal: floor.normal,
             velocity: same.map_or(Vec3::ZERO, |before| before.velocity),
             angular_velocity: same.map_or(Vec3::ZERO, |before| before.angular_velocity),
+            place: Vec3::ZERO,
             anchor: Anchor {
                 point: to_world.inverse().transform_point3(floor.point.as_dvec3()),
                 rotation: decompose(&to_world.matrix3).0,

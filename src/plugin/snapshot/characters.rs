@@ -31,14 +31,29 @@ pub(super) fn take(world: &mut World) -> BTreeMap<Entity, CharacterState> {
         .collect()
 }
 
+/// Restores all characters. Those without a state keep theirs, but leave their ground, which may be elsewhere now. Returns the
+/// entities that no longer exist.
+pub(super) fn restore(states: &BTreeMap<Entity, CharacterState>, world: &mut World) -> impl Iterator<Item = Entity> {
+    let mut others = world.query::<(Entity, &mut CharacterGround)>();
+    for (entity, mut ground) in others.iter_mut(world) {
+        if !states.contains_key(&entity) {
+            ground.set_if_neq(CharacterGround::default());
+        }
+    }
+    let mut gone = Vec::new();
+    for (&entity, state) in states {
+        match world.get_entity_mut(entity) {
+            Ok(entity) => state.restore(entity),
+            Err(_) => gone.push(entity),
+        }
+    }
+    gone.into_iter()
+}
+
 impl CharacterState {
-    /// Returns whether the entity exists.
-    pub(super) fn restore(&self, entity: Entity, world: &mut World) -> bool {
-        let Ok(mut entity) = world.get_entity_mut(entity) else {
-            return false;
-        };
+    fn restore(&self, mut entity: EntityWorldMut) {
         let Some(mut character) = entity.get_mut::<Character>() else {
-            return true;
+            return;
         };
         character.velocity = self.velocity;
         if let Some(mut transform) = entity.get_mut::<Transform>() {
@@ -47,7 +62,6 @@ impl CharacterState {
         if let Some(mut ground) = entity.get_mut::<CharacterGround>() {
             *ground = self.ground;
         }
-        true
     }
 }
 
@@ -77,6 +91,7 @@ struct PlainGround {
     normal: Vec3,
     velocity: Vec3,
     angular_velocity: Vec3,
+    place: Vec3,
     anchor: Anchor,
 }
 
@@ -94,7 +109,7 @@ impl PlainCharacter {
         let character = entity(self.character)?;
         let ground = self.ground.map(GroundContact::try_from).transpose()?;
         let is_finite = ground.is_none_or(|contact| {
-            let vectors = [contact.point, contact.velocity, contact.angular_velocity];
+            let vectors = [contact.point, contact.velocity, contact.angular_velocity, contact.place];
             vectors.iter().all(|vector| vector.is_finite())
                 && contact.normal.is_normalized()
                 && contact.anchor.point.is_finite()
@@ -122,6 +137,7 @@ impl From<GroundContact> for PlainGround {
             normal: contact.normal,
             velocity: contact.velocity,
             angular_velocity: contact.angular_velocity,
+            place: contact.place,
             anchor: contact.anchor,
         }
     }
@@ -139,6 +155,7 @@ impl TryFrom<PlainGround> for GroundContact {
             normal: plain.normal,
             velocity: plain.velocity,
             angular_velocity: plain.angular_velocity,
+            place: plain.place,
             anchor: plain.anchor,
         })
     }

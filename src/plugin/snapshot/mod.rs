@@ -180,11 +180,8 @@ impl Snapshot {
             }
         }
         self.restore_nested(world);
-        for (&entity, character) in &self.characters {
-            if !character.restore(entity, world) && !self.bodies.contains_key(&entity) {
-                gone.push(entity);
-            }
-        }
+        let gone_characters = characters::restore(&self.characters, world);
+        gone.extend(gone_characters.filter(|entity| !self.bodies.contains_key(entity)));
         // These poses are those of a step. What others write from now on places bodies.
         let written_at = world.increment_change_tick();
         if let Some(mut step) = world.get_resource_mut::<Step>() {

@@ -10,7 +10,8 @@ use crate::plugin::events::{CollisionEnd, CollisionStart};
 use crate::plugin::settings::EventHysteresis;
 use crate::state::StepInput;
 use crate::types::body::*;
-use bevy::ecs::system::SystemChangeTick;
+use bevy::ecs::change_detection::Tick;
+use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::prelude::*;
 
 /// Sets external impulses to zero, because they act once. Those of bodies that were not in the step, for example because their
@@ -63,24 +64,34 @@ pub(crate) fn keep_poses(mut poses: Query<(&Transform, &mut PoseOfStep)>) {
     }
 }
 
-/// Finds which of the colliders and bodies that touched were placed by others since the last step.
-pub(crate) fn find_written(
-    mut step: ResMut<Step>,
-    transforms: Query<(Ref<Transform>, Option<&PoseOfStep>)>,
+/// Tells which `Transform`s others have written since the last step.
+#[derive(SystemParam)]
+pub(crate) struct WrittenTransforms<'w, 's> {
+    transforms: Query<'w, 's, (Ref<'static, Transform>, Option<&'static PoseOfStep>)>,
     ticks: SystemChangeTick,
-) {
+}
+
+impl WrittenTransforms<'_, '_> {
+    /// Whether that of this entity was written. The step has written its own at `written_at`.
+    pub fn contains(&self, entity: Entity, written_at: Tick) -> bool {
+        self.transforms.get(entity).is_ok_and(|(transform, pose)| match pose {
+            Some(pose) => *transform != pose.0,
+            None => transform
+                .last_changed()
+                .is_newer_than(written_at, self.ticks.this_run()),
+        })
+    }
+}
+
+/// Finds which of the colliders and bodies that touched were placed by others since the last step.
+pub(crate) fn find_written(mut step: ResMut<Step>, written: WrittenTransforms) {
     let step = &mut *step;
     step.written.clear();
     let Some(written_at) = step.written_at else { return };
-    let is_written = |&entity: &Entity| {
-        transforms.get(entity).is_ok_and(|(transform, pose)| match pose {
-            Some(pose) => *transform != pose.0,
-            None => transform.last_changed().is_newer_than(written_at, ticks.this_run()),
-        })
-    };
     let touching =
         (step.touching.iter()).flat_map(|touching| [touching.colliders(), touching.bodies].into_iter().flatten());
-    step.written.extend(touching.filter(is_written));
+    let placed = touching.filter(|&entity| written.contains(entity, written_at));
+    step.written.extend(placed);
     step.written.sort_unstable();
 }
 
