@@ -7,7 +7,7 @@
 #import faceoff::margins::{with_rounded_center, with_speculative_radius}
 #import faceoff::paces::NO_PACE
 #import faceoff::solver_types as s
-#import faceoff::start::{is_near, state_at_start}
+#import faceoff::start::{inactive_at_start, Start, state_at_start}
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> step: t::Step;
@@ -38,18 +38,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let last = moved[bodies[i].source];
     let known = last_step_states[bodies[i].source];
     var body = carry_over(bodies[i], last);
-    let same_place = all(body.position == last.position) && all(body.rotation == last.rotation);
-    let stays = same_place && (body.carried & t::CONTINUES) != 0u;
-    let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
-    let goes_on = stays && (body.carried & t::CARRIED_SLEEP) != 0u;
     let motion = t::Moved(body.position, 0u, body.rotation, body.linear_velocity, 0u, body.angular_velocity, 0u);
     let center = body.scale * meshes[body.mesh].center;
-    let dynamic = (body.flags & t::KIND_MASK) == t::DYNAMIC;
-    let same_state = (body.carried & t::CONTINUES) != 0u && (body.carried & t::CARRIED_SLEEP) != 0u;
-    let changed = !(same_state && select(is_near(motion, last, body.radius), same_place, is_static));
-    let state = state_at_start(host_states[i], known, body.carried, stays, dynamic, changed, motion, center);
-    let rests = all(body.linear_velocity == vec3(0.0)) && all(body.angular_velocity == vec3(0.0));
-    body.inactive = select(0u, t::RESTS, goes_on && (is_static || (state.asleep != 0u && rests)));
+    let start = Start(motion, last, body.carried, body.flags & t::KIND_MASK, center, body.radius);
+    let state = state_at_start(host_states[i], known, start);
+    body.inactive = inactive_at_start(state, start);
     bodies[i] = with_speculative_radius(step, with_rounded_center(body));
     motion_states[i] = state;
 }

@@ -5,7 +5,7 @@
 #import faceoff::margins::{with_rounded_center, with_speculative_radius}
 #import faceoff::placed::rotation_of
 #import faceoff::solver_types as s
-#import faceoff::start::{is_near, state_at_start}
+#import faceoff::start::{inactive_at_start, Start, state_at_start}
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -28,19 +28,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let known = last_step_states[compounds[number].last_collider];
     let compound = carry_over_compound(compounds[number], last);
     compounds[number] = compound;
-    let same_place = all(compound.position == last.position) && all(compound.rotation == last.rotation);
-    let stays = same_place && (compound.carried & t::CONTINUES) != 0u;
     let v = compound.linear_velocity;
     let w = compound.angular_velocity;
     let here = t::Moved(compound.position, 0u, compound.rotation, v, 0u, w, 0u);
-    let host = host_states[compound.collider];
-    let dynamic = (bodies[compound.collider].flags & t::KIND_MASK) == t::DYNAMIC;
-    let same_state = (compound.carried & t::CONTINUES) != 0u && (compound.carried & t::CARRIED_SLEEP) != 0u;
-    let changed = !(same_state && is_near(here, last, compound.radius));
-    let state = state_at_start(host, known, compound.carried, stays, dynamic, changed, here, compound.center);
-    let rests = all(v == vec3(0.0)) && all(w == vec3(0.0));
-    let goes_on = stays && (compound.carried & t::CARRIED_SLEEP) != 0u;
-    let inactive = select(0u, t::RESTS, goes_on && dynamic && state.asleep != 0u && rests);
+    let kind = bodies[compound.collider].flags & t::KIND_MASK;
+    let start = Start(here, last, compound.carried, kind, compound.center, compound.radius);
+    let state = state_at_start(host_states[compound.collider], known, start);
+    let inactive = inactive_at_start(state, start);
     let motion = CompoundMotion(
         state.center, state.center_low, rotation_of(state), state.linear_velocity, state.angular_velocity
     );

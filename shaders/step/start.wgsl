@@ -10,27 +10,31 @@
 // Relative rounding error of a place that the host knows.
 const PLACE_ERROR: f32 = 4.0e-6;
 
-// `host` is the state that the host knows, `known` that after the last step, and `motion` the present one in single
-// precision. The body `stays` if it continues from the last step and has not moved since. `center` is its centre of mass
-// in its own axes. What is not `dynamic` never sleeps; if it has `changed` other than by its velocity, it wakes others.
-fn state_at_start(
-    host: s::MotionState,
-    known: s::MotionState,
-    carried: u32,
-    stays: bool,
-    dynamic: bool,
-    changed: bool,
+// A body at the start of a step, in single precision.
+struct Start {
     motion: t::Moved,
+    // That after the last step.
+    last: t::Moved,
+    carried: u32,
+    kind: u32,
+    // Its centre of mass in its own axes.
     center: vec3<f32>,
-) -> s::MotionState {
+    radius: f32,
+}
+
+// `host` is the state that the host knows, `known` that after the last step. What is not dynamic never sleeps; if it has
+// changed other than by its velocity, it wakes others.
+fn state_at_start(host: s::MotionState, known: s::MotionState, start: Start) -> s::MotionState {
+    let motion = start.motion;
+    let carried = start.carried;
     var state = host;
-    if stays {
+    if stays(start) {
         state.center = known.center;
         state.center_low = known.center_low;
         state.rotation = known.rotation;
         state.rotation_low = known.rotation_low;
     } else if (carried & (t::CARRIED_ROTATION | (7u * t::CARRIED_POSITION))) != 0u {
-        state.center = motion.position + rotate(motion.rotation, center);
+        state.center = motion.position + rotate(motion.rotation, start.center);
         state.center_low = vec3(0.0);
         state.rotation = coarse_rotation(motion.rotation);
         state.rotation_low = motion.rotation - state.rotation;
@@ -41,10 +45,9 @@ fn state_at_start(
     if (carried & (7u * t::CARRIED_ANGULAR)) != 0u {
         state.angular_velocity = motion.angular_velocity;
     }
-    let goes_on = stays && (carried & t::CARRIED_SLEEP) != 0u;
-    if !dynamic {
-        state.asleep = select(0u, s::CHANGED, changed);
-    } else if goes_on && (known.asleep == 0u || (carried & t::WOKEN) == 0u) {
+    if start.kind != t::DYNAMIC {
+        state.asleep = select(0u, s::CHANGED, has_changed(start));
+    } else if goes_on(start) && (known.asleep == 0u || (carried & t::WOKEN) == 0u) {
         state.asleep = known.asleep;
         state.rest_time = known.rest_time;
         state.neighbours = known.neighbours;
@@ -52,11 +55,39 @@ fn state_at_start(
     return state;
 }
 
-// Whether a body was at the same place after the last step, up to rounding. `size` is its radius. The host may place a
-// kinematic body where it was to its own rounding.
-fn is_near(body: t::Moved, last: t::Moved, size: f32) -> bool {
-    let place = abs(body.position);
-    let near = PLACE_ERROR * (max(place.x, max(place.y, place.z)) + size);
-    return all(abs(body.position - last.position) <= vec3(near))
-        && all(abs(body.rotation - last.rotation) <= vec4(PLACE_ERROR));
+// Not 0 if a body with this state is inactive.
+fn inactive_at_start(state: s::MotionState, start: Start) -> u32 {
+    let v = start.motion.linear_velocity;
+    let w = start.motion.angular_velocity;
+    let sleeps = state.asleep != 0u && all(v == vec3(0.0)) && all(w == vec3(0.0));
+    return select(0u, t::RESTS, goes_on(start) && (start.kind == t::STATIC || sleeps));
+}
+
+// Whether it continues from the last step and has not been moved since.
+fn stays(start: Start) -> bool {
+    return (start.carried & t::CONTINUES) != 0u && is_same_place(start);
+}
+
+// Whether nothing about it has changed but its velocity.
+fn goes_on(start: Start) -> bool {
+    return stays(start) && (start.carried & t::CARRIED_SLEEP) != 0u;
+}
+
+// The host may place a kinematic body where it was to its own rounding.
+fn has_changed(start: Start) -> bool {
+    let same_state = (start.carried & t::CONTINUES) != 0u && (start.carried & t::CARRIED_SLEEP) != 0u;
+    return !(same_state && select(is_near(start), is_same_place(start), start.kind == t::STATIC));
+}
+
+fn is_same_place(start: Start) -> bool {
+    return all(start.motion.position == start.last.position) && all(start.motion.rotation == start.last.rotation);
+}
+
+// Whether it is at the same place up to rounding.
+fn is_near(start: Start) -> bool {
+    let position = start.motion.position;
+    let place = abs(position);
+    let near = PLACE_ERROR * (max(place.x, max(place.y, place.z)) + start.radius);
+    return all(abs(position - start.last.position) <= vec3(near))
+        && all(abs(start.motion.rotation - start.last.rotation) <= vec4(PLACE_ERROR));
 }

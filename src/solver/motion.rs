@@ -119,15 +119,10 @@ impl<'a> StatesMut<'a> {
             velocity.angular = motion.angular_velocity.into();
         }
         if properties.has_mass() {
-            let [linear, angular] = [
-                properties.locked_axes.free_translation(),
-                properties.locked_axes.free_rotation(),
-            ];
             if mobility.has_impulses() {
-                mass.inverse_mass = (properties.inverse_mass * linear).into();
-                mass.inverse_inertia = constants.inverse_inertia(constants.initial_rotation).into();
+                mass = Mass::new(properties, &constants);
             }
-            velocity = velocity.after_impulses(&mass, forces, [linear, angular]);
+            velocity = velocity.after_impulses(&mass, forces, free_axes(properties));
         }
         self.velocities[slot] = velocity;
         self.masses[slot] = mass;
@@ -204,6 +199,14 @@ impl Mass {
         inverse_inertia: Mat3A::ZERO,
     };
 
+    /// That of a body in its initial rotation.
+    fn new(body: &SolverBody, constants: &BodyConstants) -> Self {
+        Self {
+            inverse_mass: (body.inverse_mass * body.locked_axes.free_translation()).into(),
+            inverse_inertia: constants.inverse_inertia(constants.initial_rotation).into(),
+        }
+    }
+
     /// Whether no impulse changes its velocity.
     pub fn is_immovable(&self) -> bool {
         self.inverse_mass == Vec3A::ZERO && self.inverse_inertia == Mat3A::ZERO
@@ -262,6 +265,11 @@ pub(super) fn unit(rotation: DQuat) -> Quat {
     }
 }
 
+/// 1 for each axis along which, and for each about which, the body may move.
+fn free_axes(body: &SolverBody) -> [Vec3; 2] {
+    [body.locked_axes.free_translation(), body.locked_axes.free_rotation()]
+}
+
 /// The linear and angular velocity of a body after external impulses; `None` if these do not move it.
 pub(super) fn velocity_after(body: &SolverBody, motion: &SolverMotion, impulses: &ExternalForces) -> Option<[Vec3; 2]> {
     if !body.has_mass() || !motion.is_finite() {
@@ -275,16 +283,12 @@ pub(super) fn velocity_after(body: &SolverBody, motion: &SolverMotion, impulses:
         Vec3::ZERO,
         0.0,
     );
-    let free = [body.locked_axes.free_translation(), body.locked_axes.free_rotation()];
-    let mass = Mass {
-        inverse_mass: (body.inverse_mass * free[0]).into(),
-        inverse_inertia: constants.inverse_inertia(constants.initial_rotation).into(),
-    };
     let before = Velocity {
         linear: motion.linear_velocity.into(),
         angular: motion.angular_velocity.into(),
     };
-    let mut after = before.after_impulses(&mass, impulses, free);
+    let mass = Mass::new(body, &constants);
+    let mut after = before.after_impulses(&mass, impulses, free_axes(body));
     after.limit(&constants);
     Some([after.linear.into(), after.angular.into()])
 }
