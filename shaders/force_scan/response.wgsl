@@ -47,9 +47,9 @@ fn target_speed(step: t::Step, body: t::Body, plane: t::Plane, depth: f32, speed
     return max(rebound, min(PUSH.x * depth / step.dt, PUSH.y));
 }
 
-// Whether a body is solid and leaves a plane more slowly than it should.
+// Whether a body and a plane are solid and the body leaves the plane more slowly than it should.
 fn plane_pushes(step: t::Step, body: t::Body, plane: t::Plane, contact: t::PlaneContact) -> bool {
-    if !(contact.depth > 0.0) || (body.flags & t::SENSOR) != 0u {
+    if !(contact.depth > 0.0) || (body.flags & t::SENSOR) != 0u || plane.sensor != 0u {
         return false;
     }
     let speed = dot(velocity(step, body, contact.anchor), plane.normal);

@@ -5,6 +5,7 @@
 #import faceoff::constants::shared::SAFETY
 #import faceoff::contact_slots::slot_of_plane
 #import faceoff::dispatch::group_index
+#import faceoff::margins::sway
 #import faceoff::math::{conjugate, direction, layers_interact, norm1, rotate}
 #import faceoff::sides
 #import faceoff::smooth
@@ -75,15 +76,15 @@ fn height_of(body: t::Body, plane: t::Plane) -> f32 {
 
 // Selects vertices: the lowest, then repeatedly the one farthest from those selected. Returns their number.
 fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
-    if (body.flags & t::KIND_MASK) != t::DYNAMIC || (body.flags & t::SENSOR) != 0u || !(body.radius > 0.0) {
+    let is_solid = plane.sensor == 0u && (body.flags & t::SENSOR) == 0u;
+    if (body.flags & t::KIND_MASK) != t::DYNAMIC || !is_solid || !(body.radius > 0.0) {
         return 0u;
     }
     if !layers_interact(vec2(body.memberships, body.filters), vec2(plane.memberships, plane.filters)) {
         return 0u;
     }
     let height = height_of(body, plane);
-    let fall = length(step.gravity) * abs(body.gravity_scale) * body.travel_time;
-    let speed = length(body.linear_velocity) + length(body.angular_velocity) * body.radius + fall;
+    let speed = length(body.linear_velocity) + sway(step, body, body.travel_time);
     let margin = 2.0 * MARGIN * body.radius + SAFETY * speed * body.travel_time;
     if height >= body.radius + margin {
         return 0u;

@@ -41,14 +41,16 @@ fn velocity(body: t::Body) -> vec3<f32> {
     return select(body.linear_velocity, vec3(0.0), (body.flags & t::KIND_MASK) == t::STATIC);
 }
 
-// Upper bound of the speed that rotation and gravity add to a body's surface within this time, m/s.
+// Upper bound of the speed that rotation, gravity and external forces add to a body's surface within this time, m/s.
 fn sway(step: t::Step, body: t::Body, time: f32) -> f32 {
     let kind = body.flags & t::KIND_MASK;
     if kind == t::STATIC {
         return 0.0;
     }
     let w = body.angular_velocity;
-    let spin = sqrt(dot(w, w)) * body.radius;
-    let fall = sqrt(dot(step.gravity, step.gravity)) * abs(body.gravity_scale) * time;
-    return select(spin, spin + fall, kind == t::DYNAMIC);
+    // The velocity of a collider that circles its body's centre of mass changes direction.
+    let spin = sqrt(dot(w, w)) * body.radius + 0.5 * dot(w, w) * time * body.center_offset;
+    let fall = sqrt(dot(step.gravity, step.gravity)) * abs(body.gravity_scale);
+    let push = (fall + body.force_acceleration + body.torque_acceleration) * time;
+    return select(spin, spin + push, kind == t::DYNAMIC);
 }

@@ -78,9 +78,11 @@ struct Body {
     body: u32,
     // How long it moves until the next detection, seconds; 0 if it has completed its step.
     travel_time: f32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
+    // Distance of its centre of mass from that of its body, metres: 0 unless the body has several colliders.
+    center_offset: f32,
+    // Upper bounds of how the external force and torque accelerate its surface, m/s².
+    force_acceleration: f32,
+    torque_acceleration: f32,
 }
 
 // It is static or asleep, and nothing about it has changed since the last step.
@@ -135,7 +137,8 @@ struct Plane {
     // Collision layers.
     memberships: u32,
     filters: u32,
-    padding: u32,
+    // Not 0: it detects what is inside, and does not push it out.
+    sensor: u32,
 }
 
 // Where the data of a mesh lies in the array of words. Coordinates are relative to the centre of mass.

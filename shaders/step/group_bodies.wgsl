@@ -13,6 +13,7 @@
 @group(0) @binding(3) var<storage, read> motion_states: array<s::MotionState>;
 @group(0) @binding(4) var<storage, read> planes: array<t::Plane>;
 @group(0) @binding(5) var<storage, read> sweeps: array<t::Sweep>;
+@group(0) @binding(6) var<storage, read> forces: array<s::BodyForces>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -28,17 +29,21 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     add_thickness(root, bodies[i].thickness);
     // Continuous collision needs no collision substeps.
     if (sweep.flags & t::FAST) == 0u {
-        let body = bodies[i].body;
-        let state = motion_states[body];
+        let number = bodies[i].body;
+        let state = motion_states[number];
         if state.asleep != 0u && state.asleep != s::CHANGED {
             add_velocity(root, vec3(0.0), 0.0);
         } else {
-            add_velocity(root, state.linear_velocity, length(state.angular_velocity) * solver_bodies[body].extent);
+            let body = solver_bodies[number];
+            let push = forces[number].force * body.inverse_mass;
+            let spin = length(state.angular_velocity) * body.extent + bodies[i].torque_acceleration * step.dt;
+            add_velocity(root, state.linear_velocity, spin);
+            add_velocity(root, state.linear_velocity + push * step.dt, spin);
         }
     }
     for (var k = 0u; k < step.planes; k += 1u) {
         let height = dot(planes[k].normal, sweep.center) - planes[k].distance;
-        if height + min(dot(planes[k].normal, sweep.travel), 0.0) < sweep.radius {
+        if planes[k].sensor == 0u && height + min(dot(planes[k].normal, sweep.travel), 0.0) < sweep.radius {
             set_exists(root);
             add_velocity(root, vec3(0.0), 0.0);
         }

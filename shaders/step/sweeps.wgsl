@@ -12,10 +12,9 @@
 
 @group(0) @binding(2) var<uniform> step: t::Step;
 @group(0) @binding(3) var<storage, read_write> counters: array<u32>;
-@group(0) @binding(4) var<storage, read> solver_bodies: array<s::SolverBody>;
-@group(0) @binding(5) var<storage, read_write> bodies: array<t::Body>;
-@group(0) @binding(6) var<storage, read_write> sweeps: array<t::Sweep>;
-@group(0) @binding(7) var<storage, read_write> meetings: array<t::Meeting>;
+@group(0) @binding(4) var<storage, read_write> bodies: array<t::Body>;
+@group(0) @binding(5) var<storage, read_write> sweeps: array<t::Sweep>;
+@group(0) @binding(6) var<storage, read_write> meetings: array<t::Meeting>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -33,7 +32,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (body.flags & t::KIND_MASK) != t::STATIC {
         let time = SAFETY * step.dt;
         travel = time * body.linear_velocity;
-        margin += time * (sway(step, body, step.dt) + bend(i, body));
+        margin += time * sway(step, body, step.dt);
         speed = length(body.linear_velocity - step.drift) * time;
     }
     sweeps[i] = t::Sweep(center_of(body, meshes[body.mesh].center), body.radius + margin, travel, body.flags);
@@ -47,9 +46,4 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     atomicStore(&meetings[i].exists, 0u);
     atomicStore(&meetings[i].spin, 0u);
     atomicStore(&meetings[i].thinnest, bitcast<u32>(s::INFINITE_LENGTH));
-}
-
-// The speed that a collider of a compound gains because it circles the centre of mass, m/s. It is zero for others.
-fn bend(i: u32, body: t::Body) -> f32 {
-    return 0.5 * dot(body.angular_velocity, body.angular_velocity) * step.dt * length(solver_bodies[i].offset);
 }

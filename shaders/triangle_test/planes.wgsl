@@ -24,7 +24,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let body = bodies[index];
-    if (body.flags & t::KIND_MASK) != t::DYNAMIC || !(body.radius > 0.0) {
+    if (body.flags & t::KIND_MASK) == t::STATIC || !(body.radius > 0.0) {
         return;
     }
     let mesh = meshes[body.mesh];
@@ -85,7 +85,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
+// A sensor detects all that move, a solid half-space dynamic bodies.
 fn meets(body: t::Body, plane: t::Plane) -> bool {
+    if plane.sensor == 0u && (body.flags & t::KIND_MASK) != t::DYNAMIC {
+        return false;
+    }
     return layers_interact(vec2(body.memberships, body.filters), vec2(plane.memberships, plane.filters));
 }
 

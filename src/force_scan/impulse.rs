@@ -42,10 +42,11 @@ pub(super) fn pair_closes(bodies: &Bodies, config: &StepConfig, pair: &PairConta
     a > b && pair.bodies.iter().all(|&i| !bodies.sensor[i as usize])
 }
 
-/// Whether a body is solid and leaves a plane more slowly than it should.
+/// Whether a body and a plane are solid and the body leaves the plane more slowly than it should.
 pub(super) fn plane_pushes(bodies: &Bodies, config: &StepConfig, plane: &Plane, contact: &PlaneContact) -> bool {
     let speed = speed(bodies, config, contact.body, contact.point, plane.normal);
-    speed < target_speed(bodies, config, plane, contact, speed) && !bodies.sensor[contact.body as usize]
+    let is_solid = !plane.sensor && !bodies.sensor[contact.body as usize];
+    is_solid && speed < target_speed(bodies, config, plane, contact, speed)
 }
 
 /// Velocity of a point of a body along `n` at the end of the step, without contacts.

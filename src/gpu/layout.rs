@@ -84,7 +84,7 @@ layout! {
         inverse_inertia_off_diagonal: Vec3, flags: u32,
         memberships: u32, filters: u32, source: u32, carried: u32,
         speculative_radius: f32, thickness: f32, inactive: u32, body: u32,
-        travel_time: f32, padding_a: u32, padding_b: u32, padding_c: u32,
+        travel_time: f32, center_offset: f32, force_acceleration: f32, torque_acceleration: f32,
     }
     /// A moving body whose colliders are placed in it.
     Compound {
@@ -104,7 +104,7 @@ layout! {
     /// A half-space.
     Plane {
         normal: Vec3, distance: f32,
-        restitution: f32, memberships: u32, filters: u32, padding: u32,
+        restitution: f32, memberships: u32, filters: u32, sensor: u32,
     }
     /// Where the data of a mesh lies in the array of words.
     Mesh {

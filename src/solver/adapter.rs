@@ -30,6 +30,7 @@ impl SolverBodies {
                 restitution_combine: plane.restitution_combine,
                 friction: plane.friction.coefficient,
                 friction_combine: plane.friction.combine,
+                solid: !plane.sensor,
                 ..SolverBody::immovable(RigidBody::Static, f32::INFINITY)
             };
             let center = plane.normal.as_dvec3() * plane.distance as f64;

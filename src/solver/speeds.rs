@@ -43,20 +43,21 @@ impl Speeds {
         }
     }
 
-    /// Bounds for all solid bodies and half-spaces except those for which `skip` is true. Bodies with continuous
-    /// collision detection are left out, because they need no collision substeps.
-    pub fn of(bodies: &SolverBodies, skip: impl Fn(usize) -> bool) -> Self {
+    /// Bounds for all solid bodies and half-spaces except those for which `skip` is true, within `dt` seconds. Bodies with
+    /// continuous collision detection are left out, because they need no collision substeps.
+    pub fn of(bodies: &SolverBodies, dt: f32, skip: impl Fn(usize) -> bool) -> Self {
         let mut speeds = Self::NONE;
         for i in (0..bodies.len()).filter(|&i| !skip(i)) {
-            speeds.include(bodies, i);
+            speeds.include(bodies, i, dt);
         }
         // A static sensor counts as well: speeds of bodies that pass it are relative to it.
         speeds.has_static = bodies.bodies.iter().any(|body| !body.moves());
         speeds
     }
 
-    /// Includes body `i`, if it is solid and needs collision substeps.
-    pub fn include(&mut self, bodies: &SolverBodies, i: usize) {
+    /// Includes body `i`, if it is solid and needs collision substeps, with the speed that external forces give it within `dt`
+    /// seconds.
+    pub fn include(&mut self, bodies: &SolverBodies, i: usize, dt: f32) {
         let (body, motion) = (&bodies.bodies[i], &bodies.motions[i]);
         if !body.solid || (body.continuous && body.moves()) {
             return;
@@ -64,7 +65,10 @@ impl Speeds {
         if !body.moves() || bodies.sleep[i].asleep {
             self.add(Vec3::ZERO, 0.0);
         } else {
-            self.add(motion.linear_velocity, motion.angular_velocity.length() * body.extent);
+            let (push, turn) = bodies.accelerations(i);
+            let spin = (motion.angular_velocity.length() + turn * dt) * body.extent;
+            self.add(motion.linear_velocity, spin);
+            self.add(motion.linear_velocity + push * dt, spin);
         }
     }
 

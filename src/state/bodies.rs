@@ -168,6 +168,21 @@ impl Bodies {
         self.travel_time.get(i).copied().unwrap_or(0.0)
     }
 
+    /// Upper bounds of the accelerations of a collider's surface by the external force and by the external torque on its body,
+    /// m/s².
+    pub(crate) fn surface_accelerations(&self, i: usize) -> [f32; 2] {
+        let forces = &self.params[self.body_of(i as u32) as usize].forces;
+        let (inverse_inertia, reach) = match self.part(i as u32) {
+            None => (&self.local_inverse_inertia[i], self.radius[i]),
+            Some(part) => (
+                &self.compounds[part.compound as usize].local_inverse_inertia,
+                part.offset.length() as f32 + self.radius[i],
+            ),
+        };
+        let (linear, angular) = forces.accelerations(self.inverse_mass[i], inverse_inertia);
+        [linear.length(), angular * reach]
+    }
+
     /// Whether contacts between two colliders can move one of their bodies.
     pub(crate) fn push_each_other(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (a as usize, b as usize);

@@ -98,7 +98,7 @@ impl SpeculativeMargins {
     }
 }
 
-/// Upper bound of the speed that rotation and gravity add to a body's surface within `dt` seconds, m/s.
+/// Upper bound of the speed that rotation, gravity and external forces add to a body's surface within `dt` seconds, m/s.
 pub(crate) fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f32 {
     let turn = bodies.angular_velocity[i].length();
     let mut spin = turn * bodies.radius[i];
@@ -109,6 +109,10 @@ pub(crate) fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f
     match bodies.kind[i] {
         RigidBody::Static => 0.0,
         RigidBody::Kinematic => spin,
-        RigidBody::Dynamic => spin + config.gravity.length() * bodies.gravity_scale[i].abs() * dt,
+        RigidBody::Dynamic => {
+            let fall = config.gravity.length() * bodies.gravity_scale[i].abs();
+            let [force, torque] = bodies.surface_accelerations(i);
+            spin + (fall + force + torque) * dt
+        }
     }
 }

@@ -1,11 +1,11 @@
-//! Planes: solid half-spaces.
+//! Planes: half-spaces.
 
-use crate::types::body::CollisionLayers;
+use crate::types::body::{CollisionLayers, RigidBody};
 use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::material::{CombineRule, Friction};
 use glam::Vec3;
 
-/// A solid half-space: `normal . p < distance`.
+/// A half-space: `normal . p < distance`.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Plane {
     /// Unit vector out of the solid side.
@@ -18,6 +18,8 @@ pub struct Plane {
     pub restitution_combine: CombineRule,
     /// Coulomb friction coefficient and its combine rule.
     pub friction: Friction,
+    /// It detects what is inside, and does not push it out.
+    pub sensor: bool,
     /// Collision filter.
     pub layers: CollisionLayers,
     /// Which hooks are called for pairs with the plane.
@@ -33,8 +35,21 @@ impl Default for Plane {
             restitution: 0.0,
             restitution_combine: CombineRule::default(),
             friction: Friction::default(),
+            sensor: false,
             layers: CollisionLayers::default(),
             hooks: ActiveCollisionHooks::NONE,
         }
+    }
+}
+
+impl Plane {
+    /// Whether it detects bodies of this kind with these layers: a sensor detects all that move, a solid plane dynamic ones.
+    pub(crate) fn detects(&self, kind: RigidBody, layers: CollisionLayers) -> bool {
+        let is_detected = match kind {
+            RigidBody::Dynamic => true,
+            RigidBody::Kinematic => self.sensor,
+            RigidBody::Static => false,
+        };
+        is_detected && layers.interacts_with(self.layers)
     }
 }

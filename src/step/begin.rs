@@ -62,5 +62,5 @@ fn load_bodies(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch
     input.write_keys(keys);
     solver_bodies.read(&input.bodies, &input.planes, keys);
     memory.restore(input, solver_bodies, inactive);
-    Speeds::of(solver_bodies, |_| false)
+    Speeds::of(solver_bodies, input.config.dt, |_| false)
 }

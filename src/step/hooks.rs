@@ -129,8 +129,7 @@ pub(super) fn filter_pairs(step: &mut StepState, number: u32, hooks: &mut dyn St
 fn is_near(input: &StepInput, i: usize, plane: &Plane) -> bool {
     let bodies = &input.bodies;
     let height = plane.normal.as_dvec3().dot(bodies.frame[i].center) - f64::from(plane.distance);
-    bodies.kind[i] == RigidBody::Dynamic
-        && bodies.layers[i].interacts_with(plane.layers)
+    plane.detects(bodies.kind[i], bodies.layers[i])
         && height as f32 <= bodies.radius[i] + margin(bodies, i, &input.config)
 }
 

@@ -107,10 +107,10 @@ impl Reach {
         meetings.resize(bodies.len(), Meeting::NONE);
         for i in (0..bodies.len() as u32).filter(|&i| moves(i) && solid(i)) {
             let meeting = &mut meetings[groups.root(i) as usize];
-            meeting.include(solver_bodies, i as usize);
+            meeting.include(solver_bodies, i as usize, config.dt);
             let own = sweep(i);
             meeting.exists |= is_crowded;
-            if planes.iter().any(|plane| own.meets_plane(plane)) {
+            if planes.iter().any(|plane| !plane.sensor && own.meets_plane(plane)) {
                 meeting.exists = true;
                 meeting.speeds.add(Vec3::ZERO, 0.0);
             }
@@ -122,7 +122,7 @@ impl Reach {
                 meetings[root].exists = true;
             } else if sweep(mover).meets_mesh(bodies, meshes, other) {
                 meetings[root].exists = true;
-                meetings[root].include(solver_bodies, other as usize);
+                meetings[root].include(solver_bodies, other as usize, config.dt);
             }
         }
         for meeting in meetings.iter_mut() {
@@ -147,8 +147,8 @@ impl Meeting {
         collision_substeps: 1,
     };
 
-    fn include(&mut self, bodies: &SolverBodies, i: usize) {
-        self.speeds.include(bodies, i);
+    fn include(&mut self, bodies: &SolverBodies, i: usize, dt: f32) {
+        self.speeds.include(bodies, i, dt);
         self.thinnest = self.thinnest.min(bodies.bodies[i].thickness);
     }
 

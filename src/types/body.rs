@@ -4,7 +4,7 @@
 use bevy::ecs::VariantDefaults;
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// How a body moves.
@@ -181,6 +181,21 @@ impl ExternalForces {
     pub fn add_impulse_at(&mut self, impulse: Vec3, point: Vec3, center: Vec3) {
         self.impulse += impulse;
         self.angular_impulse += (point - center).cross(impulse);
+    }
+
+    /// The acceleration of the centre of mass by the force, m/s², and an upper bound of the angular acceleration by the torque,
+    /// rad/s². The inverse inertia tensor may be in any axes.
+    pub(crate) fn accelerations(&self, inverse_mass: f32, inverse_inertia: &Mat3) -> (Vec3, f32) {
+        // No vector grows by more than the Frobenius norm.
+        let norm = |tensor: &Mat3| {
+            Vec3::from_array(tensor.to_cols_array_2d().map(|axis| Vec3::from_array(axis).length())).length()
+        };
+        let turn = if self.torque == Vec3::ZERO {
+            0.0
+        } else {
+            norm(inverse_inertia) * self.torque.length()
+        };
+        (self.force * inverse_mass, turn)
     }
 
     /// Whether all forces and impulses are zero.

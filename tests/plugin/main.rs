@@ -80,6 +80,8 @@ tests_of! {
     stands_still_on_a_slope_and_walks_up_at_full_speed
     slides_down_a_steep_slope_and_does_not_climb_it
     rides_a_lift_and_a_turning_platform
+    ground_that_is_placed_does_not_take_it_along
+    a_character_that_is_placed_leaves_its_ground
     a_lift_that_meets_a_wall_leaves_it_there
     crosses_hills_without_a_bump
     does_not_catch_on_the_edges_of_a_flat_floor
@@ -111,8 +113,8 @@ tests_of! {
 
 tests_of! {
     sudden as sudden_on_the_cpu:
-    a_bullet_that_an_impulse_fires_does_not_pass_a_plate
-    an_impulse_counts_for_collision_substeps
+    a_bullet_that_is_fired_does_not_pass_a_plate
+    a_push_counts_for_collision_substeps
     an_impulse_into_a_sleeper_moves_it
     a_sleeper_wakes_when_what_carries_it_is_replaced
     a_sleeper_wakes_when_its_gravity_or_its_locks_change
@@ -166,6 +168,7 @@ tests_of! {
 tests_of! {
     sensors as sensors_on_the_cpu:
     who_flies_in_company_is_noticed_by_a_sensor_too
+    a_plane_can_be_a_sensor
     a_sensor_keeps_what_falls_asleep_in_it
     a_sensor_spawned_over_sleepers_reports_them_until_it_goes
     a_dynamic_sensor_that_falls_asleep_goes_on_reporting

@@ -58,6 +58,44 @@ pub fn a_sensor_keeps_what_falls_asleep_in_it() {
     }
 }
 
+/// A lake 1 m deep.
+pub fn a_plane_can_be_a_sensor() {
+    for response in [Response::Contacts, Response::Impulse] {
+        let mut sim = on_the_ground();
+        sim.world().insert_resource(response);
+        let ball = sim.mesh(&shapes::ball(0.25, 2));
+        let surface = PlaneCollider::through(Vec3::Y, Vec3::Y);
+        let lake = sim.spawn((surface, Sensor, CollidingEntities::default()));
+        let falls = sim.spawn(resting(&ball, Vec3::Y * 3.0));
+        let dives = sim.spawn((
+            RigidBody::Kinematic,
+            ball.clone(),
+            Transform::from_xyz(2.0, 1.5, 0.0),
+            LinearVelocity(Vec3::NEG_Y),
+        ));
+        let stone = sim.spawn((ball, Transform::from_xyz(4.0, 0.25, 0.0)));
+        sim.step(12);
+        assert!(
+            sim.get::<CollidingEntities>(lake).is_empty(),
+            "it sees no static {stone}"
+        );
+        sim.step(32);
+        assert_near(sim.velocity(falls), Vec3::NEG_Y * 44.0 * 10.0 * DT, 1e-4);
+        assert_eq!([told(&sim, lake, falls), told(&sim, lake, dives)], [[1, 0]; 2]);
+        let collision = sim.collisions().get(lake, falls).unwrap();
+        assert!(collision.points.is_empty(), "nothing is pushed");
+        sim.step(200);
+        if response == Response::Contacts {
+            assert!(sim.get::<Sleeping>(falls).0);
+        }
+        assert_near(sim.position(falls), Vec3::Y * 0.25, 0.01);
+        assert_eq!(*sim.get::<CollidingEntities>(lake), sorted(falls, dives));
+        sim.set(falls, LinearVelocity(Vec3::Y * 8.0));
+        sim.step(50);
+        assert_eq!([told(&sim, lake, falls), told(&sim, lake, dives)], [[1, 1], [1, 0]]);
+    }
+}
+
 pub fn a_sensor_spawned_over_sleepers_reports_them_until_it_goes() {
     let mut sim = on_the_ground();
     let ball = sim.mesh(&shapes::ball(0.25, 2));

@@ -11,8 +11,9 @@ fn faster_and_thinner_bodies_get_more_collision_substeps() {
     let mut world = World::new();
     let settings = world.settings;
     world.dynamic(Shape::Sphere(0.5), 1.0, DVec3::ZERO);
-    let collision_substeps =
-        |world: &World| Speeds::of(&world.bodies, |_| false).collision_substeps(&settings, &world.bodies, world.dt);
+    let collision_substeps = |world: &World| {
+        Speeds::of(&world.bodies, world.dt, |_| false).collision_substeps(&settings, &world.bodies, world.dt)
+    };
     assert_eq!(collision_substeps(&world), 1, "at rest");
     world.motion(0).linear_velocity = Vec3::X * 1000.0;
     assert_eq!(collision_substeps(&world), 1, "there is no relative motion");

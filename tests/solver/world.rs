@@ -167,7 +167,7 @@ impl World {
     pub fn step(&mut self, count: usize) {
         for _ in 0..count {
             let collision_substeps = self.collision_substeps.unwrap_or_else(|| {
-                Speeds::of(&self.bodies, |_| false).collision_substeps(&self.settings, &self.bodies, self.dt)
+                Speeds::of(&self.bodies, self.dt, |_| false).collision_substeps(&self.settings, &self.bodies, self.dt)
             });
             let collision_substep = CollisionSubstep {
                 dt: self.dt / collision_substeps as f32,

@@ -10,7 +10,7 @@ use crate::simd::lanes::{SimdBase, bitmask, bits, dot, lane_of, load_points, spl
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
-use crate::state::margins::SAFETY;
+use crate::state::margins::{SAFETY, sway};
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig};
 use crate::types::body::RigidBody;
@@ -54,7 +54,7 @@ struct Found {
     count: usize,
 }
 
-/// Appends a manifold for every solid dynamic body near a plane, ascending by body, then plane, if the pair is
+/// Appends a manifold for every solid dynamic body near a solid plane, ascending by body, then plane, if the pair is
 /// `wanted`. Plane `i` has the index `bodies.len() + i`, and its centre is its point nearest to the world's origin.
 ///
 /// Vertices that may reach the plane within the body's [`Bodies::travel_time`] are included.
@@ -95,10 +95,9 @@ pub fn find(
 
 /// The height of vertices over a plane below which there are contact points, metres.
 pub(crate) fn margin(bodies: &Bodies, body: usize, config: &StepConfig) -> f32 {
-    let (radius, dt) = (bodies.radius[body], bodies.travel_time[body]);
-    let fall = config.gravity.length() * bodies.gravity_scale[body].abs() * dt;
-    let speed = bodies.linear_velocity[body].length() + bodies.angular_velocity[body].length() * radius + fall;
-    2.0 * MARGIN * radius + SAFETY * speed * dt
+    let dt = bodies.travel_time[body];
+    let speed = bodies.linear_velocity[body].length() + sway(bodies, config, body, dt);
+    2.0 * MARGIN * bodies.radius[body] + SAFETY * speed * dt
 }
 
 fn manifold(
@@ -110,7 +109,7 @@ fn manifold(
     margin: f32,
     vertices: &mut Vec<LowVertex>,
 ) -> Option<Found> {
-    if !bodies.layers[body].interacts_with(plane.layers) {
+    if plane.sensor || !bodies.layers[body].interacts_with(plane.layers) {
         return None;
     }
     let (frame, radius) = (&bodies.frame[body], bodies.radius[body]);

@@ -33,8 +33,8 @@ pub struct MeshCollider(pub Handle<CollisionMesh>);
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct ColliderToCome;
 
-/// A solid half-space: the points `p` with `normal . p < distance` are solid, in the coordinates of its entity. Dynamic
-/// bodies collide with it.
+/// A half-space: the points `p` with `normal . p < distance` are solid, in the coordinates of its entity. Dynamic bodies
+/// collide with it.
 ///
 /// It follows the `Transform` of its entity and of those above it. A plane that is moved pushes bodies out of itself, but it
 /// has no velocity: it does not carry them along. A lift or a piston is a kinematic body with a mesh.
@@ -42,9 +42,9 @@ pub(crate) struct ColliderToCome;
 /// Spawn it on an entity of its own. It is never part of a body. It requires a `Transform` so that editors and saved scenes can
 /// move it. It may have [`Friction`](crate::types::material::Friction) and
 /// [`Restitution`](crate::types::material::Restitution), and obeys
-/// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`ColliderDisabled`]. It is solid: where it should be a
-/// [`Sensor`], use a large static box mesh instead. Collisions with planes are reported like those with bodies: by
-/// [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
+/// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`ColliderDisabled`]. With [`Sensor`] it is not solid, and detects
+/// what is below it: the surface of a lake, or a depth that no player survives. Collisions with planes are reported like those
+/// with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 #[require(Transform)]

@@ -1,7 +1,7 @@
 //! Gizmos of planes.
 
 use super::outlines::Drawn;
-use crate::plugin::inspect::poses::WorldPoses;
+use crate::plugin::inspect::poses::{ColliderState, WorldPoses};
 use crate::plugin::sync::planes::{IsPlane, PlaneComponents};
 use bevy::prelude::*;
 
@@ -16,6 +16,14 @@ pub(super) fn draw_planes(mut gizmos: Drawn, planes: Query<PlaneComponents, IsPl
     for plane in &planes {
         let to_world = poses.to_world(plane.entity);
         let Ok(half_space) = plane.half_space(Some(to_world)) else {
+            continue;
+        };
+        let state = if half_space.sensor {
+            ColliderState::Sensor
+        } else {
+            ColliderState::Awake
+        };
+        let Some(color) = gizmos.config_ext.color_of(color, state) else {
             continue;
         };
         let (normal, place) = (half_space.normal, to_world.translation.as_vec3());

@@ -29,11 +29,6 @@ pub(crate) enum Oddity {
          Remove its RigidBody, or give it a MeshCollider instead of the plane"
     )]
     PlaneDoesNotMove,
-    #[error(
-        "it has both a Sensor and a PlaneCollider, and the plane is solid: planes are no sensors. Remove its Sensor, or \
-         replace the plane by a large static box: a MeshCollider with the Sensor"
-    )]
-    PlaneIsSolid,
     #[error("it has ActiveCollisionHooks, but the app has no hooks: add a CollisionHooksPlugin")]
     NoHooks,
     #[error(

@@ -105,9 +105,6 @@ impl PlaneComponentsItem<'_, '_> {
         if self.kind.is_some_and(|&kind| kind != RigidBody::Static) && !self.is_body {
             oddities.add(self.entity, Oddity::PlaneDoesNotMove);
         }
-        if self.is_sensor && !self.is_body {
-            oddities.add(self.entity, Oddity::PlaneIsSolid);
-        }
     }
 
     /// `to_world` leads from the coordinates of the entity to the world.
@@ -131,6 +128,7 @@ impl PlaneComponentsItem<'_, '_> {
             restitution: restitution.coefficient.clamp(0.0, 1.0),
             restitution_combine: restitution.combine,
             friction,
+            sensor: self.is_sensor,
             layers: self.layers.copied().unwrap_or_default(),
             hooks: self.hooks.copied().unwrap_or_default(),
         })

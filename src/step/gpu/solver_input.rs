@@ -41,7 +41,7 @@ pub struct SolverInput {
 pub struct HostSpeeds {
     /// Of these bodies.
     pub speeds: Speeds,
-    /// Upper bound of the change of any body's speed by impulses and added velocities, m/s.
+    /// Upper bound of the change of any body's speed by impulses, forces and added velocities, m/s.
     pub max_change: f32,
 }
 
@@ -83,7 +83,7 @@ impl SolverInput {
             carried_velocities(carried, row).filter(|_| !is_static)
         };
         // Centre and extent of a body bound the speeds of all its colliders.
-        let mut seen = Speeds::of(&bodies, |i| {
+        let mut seen = Speeds::of(&bodies, config.dt, |i| {
             i < count && (!placed.is_body(i) || carried_velocities(placed.motion_row(i)).is_some())
         });
         for slowed in &remap.slowed {
@@ -112,8 +112,11 @@ impl SolverInput {
                 continue;
             }
             seen.add_along(!linear.axes, own);
-            let spin = motion.angular_velocity.length() * bodies.bodies[i].extent;
-            let change = Vec3::select(linear.axes, linear.added, Vec3::ZERO).length();
+            let extent = bodies.bodies[i].extent;
+            let spin = motion.angular_velocity.length() * extent;
+            let (push, turn) = bodies.accelerations(i);
+            let change = Vec3::select(linear.axes, linear.added, Vec3::ZERO) + push * config.dt;
+            let change = change.length() + turn * config.dt * extent;
             if angular.axes.any() {
                 added = added.max(change + spin);
             } else {
@@ -124,11 +127,13 @@ impl SolverInput {
         }
         let all = seen.and(carried_speeds).after(added, Vec3::ZERO);
         let most_substeps = all.collision_substeps(&config.solver, &bodies, config.dt);
-        let by_impulses = (bodies.bodies.iter().zip(&bodies.forces))
-            .filter(|(body, _)| !body.continuous)
-            .map(|(body, forces)| {
+        let by_forces = (bodies.bodies.iter().zip(&bodies.forces).enumerate())
+            .filter(|(_, (body, _))| !body.continuous)
+            .map(|(i, (body, forces))| {
                 let turn = body.inverse_inertia * forces.angular_impulse;
-                forces.impulse.length() * body.inverse_mass + turn.length() * body.extent
+                let (by_force, by_torque) = bodies.accelerations(i);
+                let push = forces.impulse * body.inverse_mass + by_force * config.dt;
+                push.length() + (turn.length() + by_torque * config.dt) * body.extent
             })
             .fold(0.0, f32::max);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
@@ -156,7 +161,7 @@ impl SolverInput {
             drift: all.drift(),
             host_speeds: HostSpeeds {
                 speeds: seen,
-                max_change: added + by_impulses,
+                max_change: added + by_forces,
             },
         }
     }

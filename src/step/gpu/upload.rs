@@ -361,6 +361,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
     let anchor = scale * mesh.mass.center;
     let radius = mesh.radius * scale.abs().max_element();
     let sent = carried.map_or_else(|| bodies.motion(i), |carried| carried.sent(bodies.motion(i)));
+    let [force_acceleration, torque_acceleration] = bodies.surface_accelerations(i);
     layout::Body {
         position: sent.position.to_array(),
         mesh: bodies.mesh[i],
@@ -379,6 +380,9 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
         filters: bodies.layers[i].filters,
         thickness: bodies.thickness[i],
         travel_time: state.config.dt,
+        center_offset: part.map_or(0.0, |part| part.offset.length() as f32),
+        force_acceleration,
+        torque_acceleration,
         source: carried.map_or(0, |carried| carried.source),
         carried: carried.map_or(0, |carried| carried.bits()),
         body: bodies.body_of(i as u32),
@@ -439,6 +443,6 @@ fn plane(plane: &Plane) -> layout::Plane {
         restitution: plane.restitution,
         memberships: plane.layers.memberships,
         filters: plane.layers.filters,
-        ..Default::default()
+        sensor: plane.sensor.into(),
     }
 }

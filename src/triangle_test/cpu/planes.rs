@@ -7,7 +7,6 @@ use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, PlaneContact};
-use crate::types::body::RigidBody;
 use glam::{DVec3, Vec3};
 
 /// Memory kept between steps.
@@ -16,7 +15,7 @@ pub type Scratch = InOrder<PlaneContact>;
 /// Bodies per task.
 const TASK: usize = 64;
 
-/// Appends the contacts of all dynamic bodies with all planes, ascending by body, then plane, if the pair is `wanted`.
+/// Appends the contacts of all bodies with the planes that detect them, ascending by body, then plane, if the pair is `wanted`.
 /// Plane `i` has the number `bodies.len() + i`.
 pub fn find(
     bodies: &Bodies,
@@ -37,7 +36,7 @@ pub fn find(
 }
 
 fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: &Plane) -> Option<PlaneContact> {
-    if bodies.kind[body] != RigidBody::Dynamic || !bodies.layers[body].interacts_with(plane.layers) {
+    if !plane.detects(bodies.kind[body], bodies.layers[body]) {
         return None;
     }
     let frame = &bodies.frame[body];

@@ -60,8 +60,8 @@ macro_rules! tests {
 }
 
 pub const TESTS: &[Test] = &tests! {
-    a_bullet_that_an_impulse_fires_does_not_pass_a_plate: sudden::a_bullet_that_an_impulse_fires_does_not_pass_a_plate();
-    an_impulse_counts_for_collision_substeps: sudden::an_impulse_counts_for_collision_substeps();
+    a_bullet_that_is_fired_does_not_pass_a_plate: sudden::a_bullet_that_is_fired_does_not_pass_a_plate();
+    a_push_counts_for_collision_substeps: sudden::a_push_counts_for_collision_substeps();
     an_impulse_into_a_sleeper_moves_it: sudden::an_impulse_into_a_sleeper_moves_it();
     a_sleeper_wakes_when_what_carries_it_is_replaced: sudden::a_sleeper_wakes_when_what_carries_it_is_replaced();
     a_sleeper_wakes_when_its_gravity_or_its_locks_change: sudden::a_sleeper_wakes_when_its_gravity_or_its_locks_change();
@@ -121,6 +121,7 @@ pub const TESTS: &[Test] = &tests! {
     compounds_are_the_same_two_steps_later: compounds_later();
     the_parts_of_a_compound_change_in_flight: parts_change();
     a_compound_stays_on_the_gpu: resident_compound();
+    a_plane_can_be_a_sensor: sensors::a_plane_can_be_a_sensor();
     a_sensor_keeps_what_falls_asleep_in_it: sensors::a_sensor_keeps_what_falls_asleep_in_it();
     a_sensor_spawned_over_sleepers_reports_them: sensors::a_sensor_spawned_over_sleepers_reports_them_until_it_goes();
     a_dynamic_sensor_that_sleeps_reports: sensors::a_dynamic_sensor_that_falls_asleep_goes_on_reporting();

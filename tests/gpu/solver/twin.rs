@@ -42,7 +42,11 @@ impl Twin {
         for _ in 0..count {
             let world = &mut self.world;
             let collision_substeps = world.collision_substeps.unwrap_or_else(|| {
-                Speeds::of(&world.bodies, |_| false).collision_substeps(&world.settings, &world.bodies, world.dt)
+                Speeds::of(&world.bodies, world.dt, |_| false).collision_substeps(
+                    &world.settings,
+                    &world.bodies,
+                    world.dt,
+                )
             });
             let collision_substep = CollisionSubstep {
                 dt: world.dt / collision_substeps as f32,
