@@ -1,7 +1,7 @@
 //! Colliders from Bevy's own meshes: [`MeshColliderFrom`]. Needs the feature `bevy_mesh`.
 
 use crate::plugin::assets::MeshBakeError;
-use crate::plugin::assets::mesh_bakes::{BakeAssets, MeshBakes, Source, follow_changes};
+use crate::plugin::assets::mesh_bakes::{BakeAssets, MeshBakes, Source};
 use crate::plugin::components::{ColliderToCome, MeshCollider};
 use crate::plugin::sync::named;
 use bevy::platform::collections::HashSet;
@@ -29,12 +29,9 @@ pub struct MeshColliderFromPlugin;
 
 impl Plugin for MeshColliderFromPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<MeshBakes>()
-            .register_type::<MeshColliderFrom>()
-            .add_systems(
-                PreUpdate,
-                (forget_unsaved, follow_changes.run_if(resource_exists::<Assets<Mesh>>)),
-            )
+        MeshBakes::register(app);
+        app.register_type::<MeshColliderFrom>()
+            .add_systems(PreUpdate, forget_unsaved)
             .add_systems(
                 Update,
                 (

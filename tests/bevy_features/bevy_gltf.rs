@@ -125,3 +125,23 @@ fn a_collider_of_what_bevy_loaded() {
     assert_eq!(mesh.mesh.triangles().len(), 12);
     assert!((mesh.mass.volume - 1.0).abs() < 1e-5, "{}", mesh.mass.volume);
 }
+
+/// A file that comes later, for example the end of a download.
+#[test]
+fn a_collider_of_a_mesh_that_could_not_be_loaded_at_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = both(folder.path(), false);
+    let server = server(&app);
+    let drawn: Handle<Mesh> = server.load("late.glb#Mesh1/Primitive0");
+    let body = app.world_mut().spawn(MeshColliderFrom(drawn.clone())).id();
+    settle(&mut app, &drawn).unwrap_err();
+    for _ in 0..5 {
+        app.update();
+    }
+    assert!(app.world().get::<MeshCollider>(body).is_none());
+    write(folder.path(), "late.glb", two_meshes());
+    // Bevy tries again what has failed when it is asked for.
+    let again: Handle<Mesh> = server.load("late.glb#Mesh1/Primitive0");
+    assert_eq!(again, drawn);
+    update_until(&mut app, |app| app.world().get::<MeshCollider>(body).is_some());
+}

@@ -8,7 +8,7 @@ use crate::projection::{BakeSettings, Inward};
 use bevy::asset::io::AssetReaderError;
 use bevy::asset::{AssetLoadError, AssetPath, AssetServerMode, LoadState};
 use bevy::ecs::system::SystemParam;
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, IoTaskPool, Task, block_on};
 use std::sync::Arc;
@@ -79,6 +79,9 @@ enum Beside {
 pub(crate) struct MeshBakes {
     bakes: HashMap<Key, Bake>,
     beside: HashMap<AssetPath<'static>, (Vec<AssetId<Mesh>>, Beside)>,
+    /// Meshes that could not be loaded, and files beside a mesh's file.
+    missing: HashSet<AssetId<Mesh>>,
+    missing_beside: HashSet<AssetId<CollisionMesh>>,
     /// Meshes that changed since the last frame.
     pub changed: Vec<AssetId<Mesh>>,
     /// Bytes copied in this frame.
@@ -94,20 +97,35 @@ pub(crate) struct BakeAssets<'w> {
 }
 
 /// Drops what was made of meshes that changed.
-pub(crate) fn follow_changes(mut bakes: ResMut<MeshBakes>, mut changes: MessageReader<AssetEvent<Mesh>>) {
+fn follow_changes(
+    mut bakes: ResMut<MeshBakes>,
+    mut changes: MessageReader<AssetEvent<Mesh>>,
+    mut baked_changes: MessageReader<AssetEvent<CollisionMesh>>,
+) {
     let MeshBakes {
         bakes,
         beside,
+        missing,
+        missing_beside,
         changed,
         copied,
     } = &mut *bakes;
     *copied = 0;
     changed.clear();
-    // `Added` is no change: the bake may begin before Bevy writes that event.
+    // `Added` is a change only after an error: a bake may begin before Bevy writes that event.
     changed.extend(changes.read().filter_map(|change| match change {
         AssetEvent::Modified { id } | AssetEvent::Removed { id } => Some(*id),
+        AssetEvent::Added { id } if missing.remove(id) => Some(*id),
         _ => None,
     }));
+    for change in baked_changes.read() {
+        if let AssetEvent::Added { id } = change
+            && missing_beside.remove(id)
+        {
+            let found = beside.values().filter(|(_, beside)| beside.is(*id));
+            changed.extend(found.flat_map(|(meshes, _)| meshes));
+        }
+    }
     if !changed.is_empty() {
         let unchanged = |meshes: &[AssetId<Mesh>]| !meshes.iter().any(|id| changed.contains(id));
         bakes.retain(|key, _| unchanged(&key.meshes));
@@ -160,7 +178,23 @@ impl Source {
     }
 }
 
+impl Beside {
+    fn is(&self, id: AssetId<CollisionMesh>) -> bool {
+        matches!(self, Self::Found(_, handle) if handle.id() == id)
+    }
+}
+
 impl MeshBakes {
+    /// Adds it to an app, in which it follows changes of meshes, unless it is there.
+    pub fn register(app: &mut App) {
+        if app.world().contains_resource::<Self>() {
+            return;
+        }
+        let has_assets = resource_exists::<Assets<Mesh>>.and_then(resource_exists::<Assets<CollisionMesh>>);
+        app.init_resource::<Self>()
+            .add_systems(PreUpdate, follow_changes.run_if(has_assets));
+    }
+
     /// The collision mesh of a source. It is looked up or baked in the background, the first time that it is asked for.
     pub fn get(
         &mut self,
@@ -226,12 +260,16 @@ impl MeshBakes {
         match beside {
             Beside::Looking(_) => Poll::Pending,
             Beside::None => Poll::Ready(None),
+            // While a changed file has an error, the mesh that was there before stays.
+            Beside::Found(_, handle) if assets.baked.contains(&*handle) => Poll::Ready(Some(Ok(handle.clone()))),
             Beside::Found(path, handle) => match assets.server.load_state(&*handle) {
-                LoadState::Failed(error) => Poll::Ready(Some(Err(MeshBakeError::Beside {
-                    path: path.clone(),
-                    error,
-                }))),
-                _ if assets.baked.contains(&*handle) => Poll::Ready(Some(Ok(handle.clone()))),
+                LoadState::Failed(error) => {
+                    self.missing_beside.insert(handle.id());
+                    Poll::Ready(Some(Err(MeshBakeError::Beside {
+                        path: path.clone(),
+                        error,
+                    })))
+                }
                 _ => Poll::Pending,
             },
         }
@@ -248,7 +286,10 @@ impl MeshBakes {
             match assets.meshes.get(handle) {
                 Some(mesh) => meshes.push(mesh),
                 None => match assets.server.load_state(handle) {
-                    LoadState::Failed(error) => return Some(Bake::Failed(MeshBakeError::NotLoaded(error))),
+                    LoadState::Failed(error) => {
+                        self.missing.insert(handle.id());
+                        return Some(Bake::Failed(MeshBakeError::NotLoaded(error)));
+                    }
                     _ => return None,
                 },
             }

@@ -22,7 +22,7 @@
 //!     meta_format_version: "1.0",
 //!     asset: Process(
 //!         processor: "bevy_faceoff::plugin::assets::processor::CollisionMeshProcessor",
-//!         settings: (baker_version: 2, bake: Some((faces: true)), part: None),
+//!         settings: (baker_version: 3, bake: Some((faces: true)), part: None),
 //!     ),
 //! )
 //! ```

@@ -29,8 +29,8 @@ impl Plugin for MeshColliderHierarchyPlugin {
             .run_if(any_with_component::<MeshColliderHierarchy>)
             .run_if(resource_exists::<Assets<Mesh>>);
         scene_types::register(app);
-        app.init_resource::<MeshBakes>()
-            .register_type::<MeshColliderHierarchy>()
+        MeshBakes::register(app);
+        app.register_type::<MeshColliderHierarchy>()
             .register_type::<MeshColliderHierarchyReady>()
             .register_type::<ColliderSettings>()
             .add_systems(SpawnScene, work)
@@ -50,6 +50,8 @@ pub(super) struct Making {
     parts: Vec<Part>,
     bodies: Vec<(Entity, ColliderSettings)>,
     errors: Vec<PrefabError>,
+    /// Errors that an event has told.
+    told: HashSet<String>,
 }
 
 /// What the collider of an entity was made of, or was to be made of if it was refused.
@@ -74,6 +76,7 @@ impl Default for Making {
             parts: Vec::new(),
             bodies: Vec::new(),
             errors: Vec::new(),
+            told: HashSet::default(),
         }
     }
 }
@@ -154,7 +157,9 @@ fn make(
                 commands.entity(entity).try_remove::<(MeshCollider, MadeFrom)>();
             }
             making.changed = false;
-            making.done = !is_first && plan.parts.is_empty() && plan.bodies.is_empty();
+            let is_known = |error: &PrefabError| making.told.contains(&error.to_string());
+            making.done =
+                !is_first && plan.parts.is_empty() && plan.bodies.is_empty() && plan.errors.iter().all(is_known);
             (making.parts, making.bodies, making.errors) = (plan.parts, plan.bodies, plan.errors);
         }
         if making.changed || making.done {
@@ -195,6 +200,7 @@ fn make(
             if told.insert(text.clone()) {
                 error!("{text}");
             }
+            making.told.insert(text);
         }
         commands.entity(root).try_remove::<ColliderToCome>();
         commands.trigger(MeshColliderHierarchyReady {

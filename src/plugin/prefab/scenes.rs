@@ -38,6 +38,8 @@ impl Scenes<'_, '_> {
             return Poll::Ready(Ok(()));
         }
         let state = match (world, dynamic) {
+            // No scene will ever come.
+            (Some(world), _) if world.0 == Handle::default() => return Poll::Ready(Ok(())),
             (Some(world), _) => self.server.load_state(&world.0),
             (None, Some(dynamic)) => self.server.load_state(&dynamic.0),
             (None, None) => LoadState::NotLoaded,

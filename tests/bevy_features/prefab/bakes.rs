@@ -157,6 +157,24 @@ fn baked_meshes_and_recipes_beside_the_file() {
         assert!(text.contains(word), "{text}");
     }
 
+    // Once it is mended, its node gets a collider.
+    let mended = "(mesh: \"house.v2.glb\", part: (mesh: \"Broken\"))";
+    write(folder.path(), "levels/house_v2_Broken.bake.ron", mended);
+    let server = sim.world().resource::<AssetServer>().clone();
+    server.reload("levels/house_v2_Broken.bake.ron");
+    let told = ready_again(&mut sim, root, 2);
+    assert_eq!((told.colliders.len(), told.errors.len()), (1, 0));
+    // A new error changes nothing for those that have a collider or get one.
+    write(folder.path(), "levels/house_v2_Broken.bake.ron", "(mesh: ");
+    server.reload("levels/house_v2_Broken.bake.ron");
+    for _ in 0..50 {
+        sim.step(1);
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let root = spawn(&mut sim, "levels/house.v2.glb", MeshColliderHierarchy::default());
+    let told = ready(&mut sim, root);
+    assert_eq!((told.colliders.len(), told.errors.len()), (4, 0));
+
     // With settings of its own each is baked from what Bevy has loaded.
     let settings = ColliderSettings {
         bake: Some(BakeSettings::default()),

@@ -21,7 +21,10 @@ const LEAST: u64 = 1 << 20;
 pub fn estimate(mesh: &Path, settings: &BakeSettings, threads: usize) -> u64 {
     let bytes = file_bytes(mesh);
     let triangles = bytes / least_bytes_per_triangle(mesh);
-    let mut need = LEAST + bytes + triangles * TRIANGLE;
+    let mut need = triangles
+        .saturating_mul(TRIANGLE)
+        .saturating_add(LEAST)
+        .saturating_add(bytes);
     if settings.faces {
         // About as many as a sphere has directions one step apart.
         let step = u64::from(settings.degrees.clamp(1, 90));
@@ -43,7 +46,8 @@ fn least_bytes_per_triangle(mesh: &Path) -> u64 {
     }
 }
 
-/// The length of a mesh file and of the buffers that it names, in bytes; 0 for what cannot be read.
+/// The length of a mesh file and of the buffers that it names, in bytes; 0 for what cannot be read. A buffer has at least the
+/// length that the document says, also if its URI has another form than its path.
 fn file_bytes(mesh: &Path) -> u64 {
     let length = |path: &Path| fs::metadata(path).map_or(0, |there| if there.is_file() { there.len() } else { 0 });
     let own = length(mesh);
@@ -54,8 +58,11 @@ fn file_bytes(mesh: &Path) -> u64 {
         .ok()
         .and_then(|bytes| serde_json::from_slice(&bytes).ok())
         .unwrap_or_default();
-    let others = document.buffers.iter().filter_map(|buffer| buffer.uri.as_ref());
-    own + others.map(|uri| length(&mesh.with_file_name(uri))).sum::<u64>()
+    let others = document.buffers.iter().filter_map(|buffer| {
+        let uri = buffer.uri.as_ref().filter(|uri| !uri.starts_with("data:"))?;
+        Some(length(&mesh.with_file_name(uri)).max(buffer.byte_length))
+    });
+    others.fold(own, u64::saturating_add)
 }
 
 fn extension(mesh: &Path) -> String {
@@ -74,4 +81,6 @@ struct Document {
 #[derive(Deserialize)]
 struct Buffer {
     uri: Option<String>,
+    #[serde(default, rename = "byteLength")]
+    byte_length: u64,
 }
