@@ -101,6 +101,7 @@ impl Latent {
                 }
                 None => {
                     let mut shadow = Shadow::new(seen, body.kind, self.now);
+                    shadow.drive(of_body.driven);
                     self.woken[row] = shadow.wake(of_body.asleep, self.now);
                     shadow
                 }
@@ -131,10 +132,10 @@ impl Latent {
         }
     }
 
-    /// Whether a body moves by its `Transform`, which holds its current pose.
-    pub fn is_driven(&self, entity: Entity) -> bool {
+    /// Whether the components of a body hold its state after the last step.
+    pub fn shows(&self, entity: Entity) -> bool {
         let at = self.shadows.binary_search_by_key(&entity, |(body, _)| body.entity);
-        at.is_ok_and(|at| self.shadows[at].1.is_driven())
+        at.map_or(true, |at| self.shadows[at].1.is_known())
     }
 
     /// Whether a body was in the last step.

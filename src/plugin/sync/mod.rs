@@ -211,6 +211,8 @@ impl Step {
     fn hand_over(&mut self, to_cpu: bool) {
         if to_cpu {
             self.catch_up_collected();
+            // The CPU writes the poses of the others to their components.
+            self.driven.keep(|entity| self.latent.shows(entity));
             let memory = self.device_memory();
             (self.state.memory, self.state.results.manifolds) = memory.to_cpu();
             self.forget();
@@ -263,13 +265,10 @@ impl Step {
     fn begin(&mut self) {
         #[cfg(feature = "gpu")]
         if let Some(detail) = self.engine.latent() {
-            let resident = detail == Detail::Counts;
-            self.link(resident);
-            // Of others the components are behind the device.
-            self.depart(|step, entity| step.latent.is_driven(entity));
-            return;
+            self.link(detail == Detail::Counts);
+            self.driven.keep(|entity| self.latent.shows(entity));
         }
-        self.depart(|_, _| true);
+        self.depart();
     }
 
     /// Checks the driven bodies of this step.
@@ -280,10 +279,9 @@ impl Step {
         (self.driven, self.oddities) = (driven, oddities);
     }
 
-    /// Moves those of the driven bodies back to where their way begins that `moves` selects.
-    fn depart(&mut self, moves: impl Fn(&Self, Entity) -> bool) {
-        let number_of = |entity| self.number_of(entity).filter(|_| moves(self, entity));
-        let departures = self.driven.departures(number_of);
+    /// Moves driven bodies back to where their way begins.
+    fn depart(&mut self) {
+        let departures = self.driven.departures(|entity| self.number_of(entity));
         let dt = self.state.input.config.dt;
         self.state.input.bodies.depart(&departures, dt);
     }
