@@ -15,6 +15,8 @@ pub(crate) mod order;
 pub(crate) mod planes;
 pub(crate) mod publish;
 #[cfg(feature = "gpu")]
+pub(crate) mod release;
+#[cfg(feature = "gpu")]
 mod shadow;
 mod sheared;
 mod tables;
@@ -71,6 +73,9 @@ pub(crate) struct Step {
     pub others: Vec<Entity>,
     /// Bodies under other entities.
     pub nested: NestedBodies,
+    /// Those of the last step, until the bodies that leave are known.
+    #[cfg(feature = "gpu")]
+    pub last_nested: NestedBodies,
     /// Kinematic bodies that move by their `Transform`.
     pub driven: DrivenBodies,
     /// Scratch: half-spaces in their order.
@@ -163,6 +168,8 @@ impl Step {
             children: ChildColliders::default(),
             others: Vec::new(),
             nested: NestedBodies::default(),
+            #[cfg(feature = "gpu")]
+            last_nested: NestedBodies::default(),
             driven: DrivenBodies::default(),
             planes: Vec::new(),
             slots: HashMap::default(),
@@ -182,6 +189,13 @@ impl Step {
             by_hand: false,
             outer_time: None,
         }
+    }
+
+    /// Whether the step that is about to run follows on the CPU to steps on a device that may be pending.
+    #[cfg(feature = "gpu")]
+    pub fn leaves_device(&self) -> bool {
+        let on_cpu = self.state.input.has_hooks();
+        on_cpu && self.engine.changes_place(on_cpu)
     }
 
     /// Moves the simulation to the CPU while hooks are active, and back to the GPU afterwards. Bodies keep their state.
