@@ -11,9 +11,9 @@ use crate::plugin::registration;
 use crate::plugin::renderer;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
-#[cfg(feature = "gpu")]
-use crate::plugin::sync::latent;
 use crate::plugin::sync::{Step, collect, hierarchy, publish};
+#[cfg(feature = "gpu")]
+use crate::plugin::sync::{latent, release};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::Poses;
 use crate::types::kernel_cache::KernelCache;
@@ -99,6 +99,10 @@ impl Plugin for StepPlugin {
                     .before(FaceoffSystems::Collect)
                     .ambiguous_with_all(),
                 collect::collect.in_set(FaceoffSystems::Collect),
+                publish::choose_place
+                    .in_set(FaceoffSystems::Collect)
+                    .after(collect::collect)
+                    .ambiguous_with_all(),
                 (
                     (publish::use_up_impulses, publish::use_up_teleports),
                     publish::find_written,
@@ -117,7 +121,7 @@ impl Plugin for StepPlugin {
         }
         #[cfg(feature = "gpu")]
         {
-            let release = latent::release.after(collect::collect);
+            let release = release::release.after(collect::collect).before(publish::choose_place);
             schedule.add_systems(release.in_set(FaceoffSystems::Collect));
             latent::observe(app);
             let after = RunFixedMainLoopSystems::AfterFixedMainLoop;

@@ -36,6 +36,8 @@ fn main() {
             #[cfg(feature = "bevy")]
             ("apps::bytes", apps::bytes::TESTS),
             #[cfg(feature = "bevy")]
+            ("apps::changes", apps::changes::TESTS),
+            #[cfg(feature = "bevy")]
             ("apps::with_contacts", apps::with_contacts::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::drawn", apps::drawn::TESTS),

@@ -139,6 +139,10 @@ pub(crate) fn collect(
     }
     reader.children();
     reader.step.others = others;
+    #[cfg(feature = "gpu")]
+    {
+        step.last_nested = before.nested;
+    }
     // The order of a query depends on archetypes. That of keys does not.
     order::sort(&mut step.candidates, |id| step.oddities.add_same_key(id));
     step.fill();
@@ -191,7 +195,6 @@ pub(crate) fn collect(
     step.oddities.count_bare(moving.map(|(entity, _)| entity));
     step.oddities
         .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
-    step.choose_place();
 
     step.tables.retain(|id| meshes.meshes.contains(id));
     step.sheared.end_step(&mut step.state.input.meshes);

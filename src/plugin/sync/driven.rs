@@ -11,7 +11,7 @@ const LONG_WAY: f32 = 4.0;
 /// The kinematic bodies without velocities. At the end of a step they are where their `Transform`s say.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct DrivenBodies {
-    /// The pose of each in the world at the end of the last step.
+    /// The pose of each in the world at the end of the last step, where that is known.
     pub poses: EntityHashMap<(Vec3, Quat)>,
     /// Where those begin that move in this step.
     departures: Vec<(Entity, (Vec3, Quat))>,
@@ -68,7 +68,14 @@ impl DrivenBodies {
         }
     }
 
-    /// Where bodies begin that move in this step. `number_of` gives the number of a body that does.
+    /// Forgets the poses of bodies that are elsewhere on a device than their components say. These do not move in the next
+    /// step, because it is not known from where.
+    #[cfg(feature = "gpu")]
+    pub fn keep(&mut self, is_there: impl Fn(Entity) -> bool) {
+        self.poses.retain(|&entity, _| is_there(entity));
+    }
+
+    /// Where bodies begin that move in this step. `number_of` gives the number of a body.
     pub fn departures(&self, number_of: impl Fn(Entity) -> Option<usize>) -> Vec<Departure> {
         let departure = |&(entity, (position, rotation)): &(Entity, (Vec3, Quat))| {
             Some(Departure {

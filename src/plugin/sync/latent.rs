@@ -101,6 +101,7 @@ impl Latent {
                 }
                 None => {
                     let mut shadow = Shadow::new(seen, body.kind, self.now);
+                    shadow.drive(of_body.driven);
                     self.woken[row] = shadow.wake(of_body.asleep, self.now);
                     shadow
                 }
@@ -131,10 +132,10 @@ impl Latent {
         }
     }
 
-    /// Whether a body moves by its `Transform`, which holds its current pose.
-    pub fn is_driven(&self, entity: Entity) -> bool {
+    /// Whether the components of a body hold its state after the last step.
+    pub fn shows(&self, entity: Entity) -> bool {
         let at = self.shadows.binary_search_by_key(&entity, |(body, _)| body.entity);
-        at.is_ok_and(|at| self.shadows[at].1.is_driven())
+        at.map_or(true, |at| self.shadows[at].1.is_known())
     }
 
     /// Whether a body was in the last step.
@@ -143,9 +144,15 @@ impl Latent {
         at.is_ok()
     }
 
-    /// The bodies of the last step.
-    pub fn bodies(&self) -> impl Iterator<Item = Entity> + '_ {
-        self.shadows.iter().map(|(body, _)| body.entity)
+    /// The bodies of the last step, and whether their colliders were placed in them.
+    pub fn bodies(&self) -> impl Iterator<Item = (&Row, bool)> {
+        let is_compound = |body: &Row| body.row as usize >= self.colliders.len();
+        self.shadows.iter().map(move |(body, _)| (body, is_compound(body)))
+    }
+
+    /// Forgets bodies: if they are in the next step, it receives their whole state from the components.
+    pub fn leave(&mut self, leaves: impl Fn(Entity) -> bool) {
+        self.shadows.retain(|(body, _)| !leaves(body.entity));
     }
 
     /// The colliders of the last step, in the order of its rows.
@@ -232,58 +239,5 @@ pub(crate) fn observe(app: &mut App) {
 fn note(entity: Entity, step: Option<ResMut<Step>>, part: Part) {
     if let Some(mut step) = step {
         step.latent.insert(entity, part);
-    }
-}
-
-/// Updates the components of bodies that leave the step but stay in the world. If they return, they continue from this
-/// state.
-pub(crate) fn release(
-    mut step: ResMut<Step>,
-    mut bodies: Query<
-        (
-            &mut Transform,
-            Option<&mut LinearVelocity>,
-            Option<&mut AngularVelocity>,
-        ),
-        With<RigidBody>,
-    >,
-    children: Query<(), With<ChildOf>>,
-) {
-    if !step.engine.is_latent() {
-        return;
-    }
-    let mut leaving = BTreeMap::new();
-    for entity in step.latent.bodies() {
-        if step.number_of(entity).is_some() {
-            continue;
-        }
-        if let Ok((transform, linear, angular)) = bodies.get(entity) {
-            let motion = Motion {
-                position: transform.translation,
-                rotation: transform.rotation,
-                linear_velocity: linear.map_or(Vec3::ZERO, |v| v.0),
-                angular_velocity: angular.map_or(Vec3::ZERO, |w| w.0),
-            };
-            leaving.insert(entity, motion);
-        }
-    }
-    if leaving.is_empty() {
-        return;
-    }
-    step.catch_up(&mut leaving);
-    for (entity, motion) in leaving {
-        let Ok((mut transform, linear, angular)) = bodies.get_mut(entity) else {
-            continue;
-        };
-        // Under other entities it keeps the last published pose, which is in their coordinates.
-        if !children.contains(entity) {
-            (transform.translation, transform.rotation) = (motion.position, motion.rotation);
-        }
-        if let Some(mut linear) = linear {
-            linear.0 = motion.linear_velocity;
-        }
-        if let Some(mut angular) = angular {
-            angular.0 = motion.angular_velocity;
-        }
     }
 }

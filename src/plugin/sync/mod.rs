@@ -15,6 +15,8 @@ pub(crate) mod order;
 pub(crate) mod planes;
 pub(crate) mod publish;
 #[cfg(feature = "gpu")]
+pub(crate) mod release;
+#[cfg(feature = "gpu")]
 mod shadow;
 mod sheared;
 mod tables;
@@ -71,6 +73,9 @@ pub(crate) struct Step {
     pub others: Vec<Entity>,
     /// Bodies under other entities.
     pub nested: NestedBodies,
+    /// Those of the last step, until the bodies that leave are known.
+    #[cfg(feature = "gpu")]
+    pub last_nested: NestedBodies,
     /// Kinematic bodies that move by their `Transform`.
     pub driven: DrivenBodies,
     /// Scratch: half-spaces in their order.
@@ -163,6 +168,8 @@ impl Step {
             children: ChildColliders::default(),
             others: Vec::new(),
             nested: NestedBodies::default(),
+            #[cfg(feature = "gpu")]
+            last_nested: NestedBodies::default(),
             driven: DrivenBodies::default(),
             planes: Vec::new(),
             slots: HashMap::default(),
@@ -182,6 +189,13 @@ impl Step {
             by_hand: false,
             outer_time: None,
         }
+    }
+
+    /// Whether the step that is about to run follows on the CPU to steps on a device that may be pending.
+    #[cfg(feature = "gpu")]
+    pub fn leaves_device(&self) -> bool {
+        let on_cpu = self.state.input.has_hooks();
+        on_cpu && self.engine.changes_place(on_cpu)
     }
 
     /// Moves the simulation to the CPU while hooks are active, and back to the GPU afterwards. Bodies keep their state.
@@ -211,6 +225,8 @@ impl Step {
     fn hand_over(&mut self, to_cpu: bool) {
         if to_cpu {
             self.catch_up_collected();
+            // The CPU writes the poses of the others to their components.
+            self.driven.keep(|entity| self.latent.shows(entity));
             let memory = self.device_memory();
             (self.state.memory, self.state.results.manifolds) = memory.to_cpu();
             self.forget();
@@ -263,13 +279,10 @@ impl Step {
     fn begin(&mut self) {
         #[cfg(feature = "gpu")]
         if let Some(detail) = self.engine.latent() {
-            let resident = detail == Detail::Counts;
-            self.link(resident);
-            // Of others the components are behind the device.
-            self.depart(|step, entity| step.latent.is_driven(entity));
-            return;
+            self.link(detail == Detail::Counts);
+            self.driven.keep(|entity| self.latent.shows(entity));
         }
-        self.depart(|_, _| true);
+        self.depart();
     }
 
     /// Checks the driven bodies of this step.
@@ -280,10 +293,9 @@ impl Step {
         (self.driven, self.oddities) = (driven, oddities);
     }
 
-    /// Moves those of the driven bodies back to where their way begins that `moves` selects.
-    fn depart(&mut self, moves: impl Fn(&Self, Entity) -> bool) {
-        let number_of = |entity| self.number_of(entity).filter(|_| moves(self, entity));
-        let departures = self.driven.departures(number_of);
+    /// Moves driven bodies back to where their way begins.
+    fn depart(&mut self) {
+        let departures = self.driven.departures(|entity| self.number_of(entity));
         let dt = self.state.input.config.dt;
         self.state.input.bodies.depart(&departures, dt);
     }

@@ -52,6 +52,19 @@ pub(crate) fn land(world: &mut World) -> bool {
     true
 }
 
+/// Chooses where the step that is about to run does so. If the simulation leaves a device, its pending results are published
+/// first. They are not written to components, which may hold what users wrote for this step: it takes the bodies from the
+/// device, and writes them when it has run.
+pub(crate) fn choose_place(world: &mut World) {
+    #[cfg(feature = "gpu")]
+    while world.resource::<Step>().leaves_device() && world.resource_mut::<Step>().land() {
+        if let Err(error) = world.run_system_cached(publish) {
+            error!("{error}");
+        }
+    }
+    world.resource_mut::<Step>().choose_place();
+}
+
 /// The `Transform` after the last step, on entities whose `Transform` changes between steps without being placed.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct PoseOfStep(pub Transform);

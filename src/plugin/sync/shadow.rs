@@ -117,6 +117,7 @@ impl Shadow {
         };
         *self = Self {
             asleep: self.asleep,
+            driven: self.driven,
             moved: self.moved,
             pushed: self.pushed,
             ..Self::new(&shown, RigidBody::Static, now)
@@ -135,11 +136,12 @@ impl Shadow {
 
     /// Records whether a body without velocities moves by its `Transform`: once its components hold its current state.
     pub fn drive(&mut self, is_driven: bool) {
-        self.driven = is_driven && self.moved <= self.read && self.pushed <= self.read;
+        self.driven = is_driven && self.is_known();
     }
 
-    pub fn is_driven(&self) -> bool {
-        self.driven
+    /// Whether the components hold the state after the last step.
+    pub fn is_known(&self) -> bool {
+        self.moved <= self.read && self.pushed <= self.read
     }
 
     /// The state that the next step carries over from body `source` of the last one, if the components hold `seen`.
@@ -169,6 +171,16 @@ impl Shadow {
             self.turned = now;
         }
         self.inserted = Inserted::default();
+        if kind != RigidBody::Dynamic {
+            // Nothing is left of what earlier steps did.
+            let is_whole = |vector: &CarriedVector| vector.axes == BVec3::FALSE;
+            if is_whole(&carried.linear) && is_whole(&carried.angular) {
+                self.pushed = 0;
+            }
+            if is_whole(&carried.position) && !carried.rotation {
+                self.moved = 0;
+            }
+        }
         self.moves(kind, now);
     }
 

@@ -9,8 +9,8 @@ use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::commands::Commands;
 use crate::gpu::known::Known;
 use crate::gpu::layout::{
-    self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
-    CULLING_FRONT, DYNAMIC, FAST, KIND_MASK, KINEMATIC, NEEDED_SUBSTEPS, PART, SENSOR, STATIC,
+    self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, CARRIED_SLEEP, CONTINUES,
+    COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, FAST, KIND_MASK, KINEMATIC, NEEDED_SUBSTEPS, PART, SENSOR, STATIC,
 };
 use crate::gpu::program::Population;
 use crate::state::margins::SAFETY;
@@ -185,18 +185,12 @@ impl Input {
         self.step.same_numbers = solver.same_numbers().into();
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let (source, carried) = solver.source(i);
-            // What the host says to carry over may be the state of a compound that is one no more.
-            body.source = if body.carried == 0 { source } else { body.source };
-            body.carried |= carried;
+            (body.source, body.carried) = both((body.source, body.carried), (source, carried));
         }
         for (compound, remap) in self.compounds.iter_mut().zip(solver.compound_sources()) {
-            compound.source = if compound.carried == 0 {
-                remap.row
-            } else {
-                compound.source
-            };
+            let (source, carried) = (compound.source, compound.carried);
+            (compound.source, compound.carried) = both((source, carried), (remap.row, remap.carried));
             compound.last_collider = remap.collider;
-            compound.carried |= remap.carried;
         }
         self.solver = Some(solver);
         self
@@ -344,6 +338,18 @@ impl Input {
                 solver.write(commands, known, &contacts.step, &contacts.solver);
             }
         }
+    }
+}
+
+/// Source and `carried` of a body, from those that the host says and those that follow from its colliders. These may have
+/// been those of another body, whose state it does not continue then.
+fn both((source, carried): (u32, u32), (of_colliders, also): (u32, u32)) -> (u32, u32) {
+    if carried == 0 {
+        (of_colliders, also)
+    } else if source == of_colliders {
+        (source, carried | also)
+    } else {
+        (source, carried | (also & !(CONTINUES | CARRIED_SLEEP)))
     }
 }
 

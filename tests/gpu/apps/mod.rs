@@ -2,6 +2,7 @@
 
 pub mod backend;
 pub mod bytes;
+pub mod changes;
 pub mod drawn;
 pub mod fast_bodies;
 pub mod readback;
