@@ -82,6 +82,8 @@ pub(crate) struct MeshBakes {
     /// Meshes that could not be loaded, and files beside a mesh's file.
     missing: HashSet<AssetId<Mesh>>,
     missing_beside: HashSet<AssetId<CollisionMesh>>,
+    /// Files beside a mesh's file that have the names of several meshes.
+    ambiguous: HashSet<AssetPath<'static>>,
     /// Meshes that changed since the last frame.
     pub changed: Vec<AssetId<Mesh>>,
     /// Bytes copied in this frame.
@@ -109,6 +111,7 @@ fn follow_changes(
         missing_beside,
         changed,
         copied,
+        ..
     } = &mut *bakes;
     *copied = 0;
     changed.clear();
@@ -245,7 +248,7 @@ impl MeshBakes {
         source: &Source,
         assets: &BakeAssets,
     ) -> Poll<Option<Result<Handle<CollisionMesh>, MeshBakeError>>> {
-        let (_, beside) = self
+        let (meshes, beside) = self
             .beside
             .entry(path.clone())
             .or_insert_with(|| (source.ids().collect(), Beside::look(path, &assets.server)));
@@ -260,6 +263,15 @@ impl MeshBakes {
         match beside {
             Beside::Looking(_) => Poll::Pending,
             Beside::None => Poll::Ready(None),
+            Beside::Found(path, _) if !source.ids().eq(meshes.iter().copied()) => {
+                if self.ambiguous.insert(path.clone()) {
+                    warn!(
+                        "{path} is used for one mesh only, and {} is baked: both have that name. Rename one of them",
+                        source.name()
+                    );
+                }
+                Poll::Ready(None)
+            }
             // While a changed file has an error, the mesh that was there before stays.
             Beside::Found(_, handle) if assets.baked.contains(&*handle) => Poll::Ready(Some(Ok(handle.clone()))),
             Beside::Found(path, handle) => match assets.server.load_state(&*handle) {

@@ -190,6 +190,26 @@ fn baked_meshes_and_recipes_beside_the_file() {
     );
 }
 
+/// In file names both are the same.
+#[test]
+fn a_file_beside_is_that_of_one_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = nodes(&[
+        ("A.1", &shapes::cube(1.0), json!({})),
+        ("A_1", &shapes::torus_240(), json!({})),
+    ]);
+    write(folder.path(), "scene.glb", scene.for_bevy().glb());
+    let ball = CollisionMesh::new(&shapes::ball_320());
+    let baked = format::to_bytes(&ball, format::Hash::default());
+    write(folder.path(), "scene_A_1Mesh.faceoff", baked);
+    let mut sim = sim(folder.path());
+    let root = spawn(&mut sim, "scene.glb", MeshColliderHierarchy::default());
+    let told = ready(&mut sim, root);
+    assert_eq!((told.colliders.len(), told.errors.len()), (2, 0));
+    let triangles = [0, 1].map(|i| collision_mesh(&sim, told.colliders[i]).mesh.triangles().len());
+    assert_eq!(triangles, [320, 240]);
+}
+
 #[test]
 fn what_cannot_collide_is_told_and_the_rest_collides() {
     let folder = tempfile::tempdir().unwrap();
