@@ -52,7 +52,8 @@ impl Ccd {
     /// after it.
     ///
     /// `bodies` have the poses from the start of the collision substep, and `manifolds` the contact points. `pairs` are
-    /// the pairs whose paths may cross. Pairs that overlap are left to contacts. Calls `on_sensor_touch` with each pair
+    /// the pairs whose paths may cross. Pairs that overlap are left to contacts, and those whose contacts were `dropped` pass
+    /// through each other. Calls `on_sensor_touch` with each pair
     /// of a sensor and another body, one of them continuous, that touch on their paths, and with the first contact.
     pub fn run(
         &mut self,
@@ -62,6 +63,7 @@ impl Ccd {
         meshes: &MeshArena,
         planes: &[Plane],
         pairs: &[[u32; 2]],
+        dropped: impl Fn([u32; 2]) -> bool,
         config: &StepConfig,
         mut on_sensor_touch: impl FnMut([u32; 2], Contact),
     ) {
@@ -91,8 +93,9 @@ impl Ccd {
         let has_sensor = |pair: &[u32; 2]| !pair.iter().all(solid) && pair.iter().any(|&i| is_flagged(i));
         sensor_pairs.extend(pairs.iter().copied().filter(has_sensor));
         solid_pairs.clear();
-        let can_collide =
-            |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[body_of(i) as usize]);
+        let can_collide = |pair: &[u32; 2]| {
+            pair.iter().all(solid) && pair.iter().any(|&i| continuous[body_of(i) as usize]) && !dropped(*pair)
+        };
         let target_distance = |pair: [u32; 2]| {
             let [a, b] = pair.map(|i| bodies.radius[i as usize]);
             TARGET_DISTANCE * config.solver.rest_offset * 2.0 * a.min(b)

@@ -91,7 +91,8 @@ fn pushed(velocity: Vec3, change: Vec3) -> Vec3 {
 }
 
 /// Stops bodies with continuous collision detection at their first impact, and records the sensors on their paths.
-/// `bodies` have the poses from the start of the collision substep, `solver_bodies` those from its end.
+/// `bodies` have the poses from the start of the collision substep, `solver_bodies` those from its end. Pairs that are
+/// `dropped` do not stop each other.
 pub(crate) fn stop_fast_bodies(
     config: &StepConfig,
     bodies: &Bodies,
@@ -99,6 +100,7 @@ pub(crate) fn stop_fast_bodies(
     planes: &[Plane],
     sphere_pairs: &[[u32; 2]],
     manifolds: &Manifolds,
+    dropped: impl Fn([u32; 2]) -> bool,
     ccd: &mut Ccd,
     solver_bodies: &mut SolverBodies,
     touches: &mut Touches,
@@ -111,6 +113,7 @@ pub(crate) fn stop_fast_bodies(
         meshes,
         planes,
         sphere_pairs,
+        dropped,
         config,
         on_sensor_touch,
     );

@@ -190,12 +190,14 @@ impl Sleeper {
         }
     }
 
-    /// Marks the islands that a moving kinematic body touches.
+    /// Marks the islands that touch a moving kinematic body, or a surface that moves along itself: a conveyor belt.
     fn mark_driven(&mut self, bodies: &SolverBodies, manifolds: &Manifolds, settings: &SolverSettings) {
         for pair in &manifolds.pairs {
             if touches(bodies, manifolds, pair, settings) {
+                let surface = manifolds.surface_of(pair.bodies);
+                let is_belt = surface.is_some_and(|surface| surface.tangent_velocity != Vec3::ZERO);
                 self.mark_other(bodies, pair, |bodies, i| {
-                    bodies.bodies[i].kind == RigidBody::Kinematic && is_moving(bodies, i)
+                    is_belt || (bodies.bodies[i].kind == RigidBody::Kinematic && is_moving(bodies, i))
                 });
             }
         }

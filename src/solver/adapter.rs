@@ -154,7 +154,8 @@ fn collider_of(bodies: &Bodies, i: usize) -> SolverBody {
         max_angular_speed: params.max_angular_speed.min(MAX_SPEED),
         locked_axes: params.locked_axes,
         solid: !bodies.sensor[i],
-        continuous: params.continuous,
+        // The flag of others is for the sensors on their way.
+        continuous: params.continuous && bodies.kind[i] == RigidBody::Dynamic,
     }
 }
 

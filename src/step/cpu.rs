@@ -261,6 +261,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
             &input.planes,
             &results.sphere_pairs,
             &results.manifolds,
+            |pair| scratch.left_out.has_dropped(pair),
             &mut scratch.ccd,
             &mut scratch.solver_bodies,
             &mut scratch.touches,

@@ -53,7 +53,7 @@ pub(crate) struct LeftOut {
     keys: Vec<[u64; 2]>,
     /// Scratch: pairs about which the filter changed its mind.
     changed: Vec<[u32; 2]>,
-    /// Scratch: pairs whose contacts were dropped.
+    /// Pairs whose contacts were dropped, ascending.
     dropped: Vec<[u32; 2]>,
 }
 
@@ -61,6 +61,11 @@ impl LeftOut {
     /// Whether a pair with a plane was left out.
     pub fn contains_plane_pair(&self, pair: [u32; 2]) -> bool {
         !self.planes.is_empty() && self.planes.binary_search(&pair).is_ok()
+    }
+
+    /// Whether the contacts of a pair were dropped.
+    pub fn has_dropped(&self, pair: [u32; 2]) -> bool {
+        !self.dropped.is_empty() && self.dropped.binary_search(&pair).is_ok()
     }
 }
 
@@ -142,6 +147,7 @@ pub(super) fn modify_contacts(step: &mut StepState, number: u32, hooks: &mut dyn
         ..
     } = step;
     let modifies = |hooks: ActiveCollisionHooks| hooks.modify_contacts;
+    scratch.left_out.dropped.clear();
     let StepInput { bodies, planes, .. } = &*input;
     let colliders = bodies.params.iter().any(|params| modifies(params.hooks));
     if !colliders && !planes.iter().any(|plane| modifies(plane.hooks)) {
@@ -150,7 +156,6 @@ pub(super) fn modify_contacts(step: &mut StepState, number: u32, hooks: &mut dyn
     let manifolds = &mut results.manifolds;
     let (points, surfaces) = (&mut manifolds.points, &mut manifolds.surfaces);
     let dropped = &mut scratch.left_out.dropped;
-    dropped.clear();
     let mut end = 0;
     manifolds.pairs.retain_mut(|manifold| {
         let first = manifold.first_point as usize;
@@ -179,9 +184,9 @@ pub(super) fn modify_contacts(step: &mut StepState, number: u32, hooks: &mut dyn
     });
     points.truncate(end);
     surfaces.sort_unstable_by_key(|&(pair, _)| pair);
+    dropped.sort_unstable();
     // The triangle test belongs to the first collision substep.
     if number == 0 && !dropped.is_empty() {
-        dropped.sort_unstable();
         let is_kept = |pair: [u32; 2]| dropped.binary_search(&pair).is_err();
         let contacts = &mut results.contacts;
         contacts.pairs.retain(|pair| is_kept(pair.bodies));

@@ -122,3 +122,21 @@ pub fn a_sleeper_wakes_when_its_gravity_or_its_locks_change() {
         assert!(sim.velocity(body).y < -2.0, "{}", sim.velocity(body));
     }
 }
+
+/// `ContinuousCollision` on it is for the sensors on its way.
+pub fn a_flagged_kinematic_body_pushes_what_is_in_its_way() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let plate = |z| Transform::from_xyz(0.0, 0.0, z).with_scale(Vec3::new(1.0, 1.0, 0.05));
+    let velocity = LinearVelocity(Vec3::Z * 20.0);
+    sim.spawn((
+        RigidBody::Kinematic,
+        cube.clone(),
+        plate(0.0),
+        velocity,
+        ContinuousCollision,
+    ));
+    let pushed = sim.spawn((RigidBody::Dynamic, cube, plate(0.2)));
+    sim.step(2);
+    assert!(sim.velocity(pushed).z > 19.0, "{}", sim.velocity(pushed));
+}

@@ -101,6 +101,8 @@ impl FastBodies<'_> {
             meshes,
             planes,
             pairs,
+            // Hooks run on the CPU only.
+            |_| false,
             config,
             |pair, contact| {
                 let pair = pair.map(|i| colliders[i as usize]);

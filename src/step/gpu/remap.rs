@@ -112,7 +112,7 @@ impl LastBodies {
         let inputs = (0..count).map(|i| {
             if bodies.params[i].continuous {
                 has_fast_bodies = true;
-                if bodies.kind[i] != RigidBody::Static && bodies.is_body(i) {
+                if bodies.kind[i] == RigidBody::Dynamic && bodies.is_body(i) {
                     fast.push(i as u32);
                 }
             }

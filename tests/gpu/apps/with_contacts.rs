@@ -62,6 +62,7 @@ macro_rules! tests {
 pub const TESTS: &[Test] = &tests! {
     a_bullet_that_is_fired_does_not_pass_a_plate: sudden::a_bullet_that_is_fired_does_not_pass_a_plate();
     a_push_counts_for_collision_substeps: sudden::a_push_counts_for_collision_substeps();
+    a_flagged_kinematic_body_pushes: sudden::a_flagged_kinematic_body_pushes_what_is_in_its_way();
     an_impulse_into_a_sleeper_moves_it: sudden::an_impulse_into_a_sleeper_moves_it();
     a_sleeper_wakes_when_what_carries_it_is_replaced: sudden::a_sleeper_wakes_when_what_carries_it_is_replaced();
     a_sleeper_wakes_when_its_gravity_or_its_locks_change: sudden::a_sleeper_wakes_when_its_gravity_or_its_locks_change();
