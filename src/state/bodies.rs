@@ -91,6 +91,9 @@ pub struct Frame {
     pub body_center: DVec3,
 }
 
+/// With this acceleration a body reaches the largest speed in a thousandth of a second, m/s².
+const MAX_ACCELERATION: f32 = 1000.0 * MAX_SPEED;
+
 impl Bodies {
     /// Number of colliders.
     pub fn len(&self) -> usize {
@@ -180,7 +183,7 @@ impl Bodies {
             ),
         };
         let (linear, angular) = forces.accelerations(self.inverse_mass[i], inverse_inertia);
-        [linear.length(), angular * reach]
+        [linear.length(), angular * reach].map(|acceleration| acceleration.min(MAX_ACCELERATION))
     }
 
     /// Whether contacts between two colliders can move one of their bodies.

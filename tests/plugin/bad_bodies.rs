@@ -160,6 +160,23 @@ fn positions_and_sizes_beyond_all_bounds_take_their_body_out() {
 }
 
 #[test]
+fn forces_beyond_all_bounds_give_a_speed_within_them() {
+    for size in [1e15, 1e25, f32::MAX] {
+        let mut sim = Sim::new();
+        let cube = sim.mesh(&shapes::cube(1.0));
+        sim.spawn((cube.clone(), Transform::from_xyz(2.0, 0.0, 0.0)));
+        let pushed = sim.spawn((RigidBody::Dynamic, cube.clone()));
+        let turned = sim.spawn((RigidBody::Dynamic, cube, Transform::from_xyz(0.0, 3.0, 0.0)));
+        let (force, torque) = (Vec3::X * size, Vec3::Z * size);
+        sim.set(pushed, ExternalForces { force, ..default() });
+        sim.set(turned, ExternalForces { torque, ..default() });
+        sim.step(3);
+        assert!(sim.position(pushed).is_finite() && sim.velocity(pushed).length() <= 1.0001e9);
+        assert!(sim.spin(turned).is_finite());
+    }
+}
+
+#[test]
 fn motion_that_is_not_finite_takes_its_body_out() {
     fn suffers<B: Bundle>(name: &'static str, break_it: impl Fn() -> B) {
         Company::new().suffers(name, break_it, |fault| {
