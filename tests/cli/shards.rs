@@ -321,4 +321,8 @@ fn a_mesh_that_may_take_more_than_the_memory_is_baked_alone_and_told() {
     assert!(!is_told());
     folder.write("scene/far.bin", vec![0; 2_000_000]);
     assert!(is_told());
+    // Its name may be encoded.
+    folder.write("scene/far.gltf", document.replace("far.bin", "far%20off.bin"));
+    folder.write("scene/far off.bin", vec![0; 2_000_000]);
+    assert!(is_told());
 }

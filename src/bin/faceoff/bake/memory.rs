@@ -46,8 +46,8 @@ fn least_bytes_per_triangle(mesh: &Path) -> u64 {
     }
 }
 
-/// The length of a mesh file and of the buffers that it names, in bytes; 0 for what cannot be read. A buffer has at least the
-/// length that the document says, also if its URI has another form than its path.
+/// The length of a mesh file and of the buffers that it names, in bytes; 0 for what cannot be read. The document tells the
+/// length of a buffer whose URI is not its path.
 fn file_bytes(mesh: &Path) -> u64 {
     let length = |path: &Path| fs::metadata(path).map_or(0, |there| if there.is_file() { there.len() } else { 0 });
     let own = length(mesh);
@@ -60,7 +60,12 @@ fn file_bytes(mesh: &Path) -> u64 {
         .unwrap_or_default();
     let others = document.buffers.iter().filter_map(|buffer| {
         let uri = buffer.uri.as_ref().filter(|uri| !uri.starts_with("data:"))?;
-        Some(length(&mesh.with_file_name(uri)).max(buffer.byte_length))
+        let is_encoded = uri.contains('%');
+        Some(if is_encoded {
+            buffer.byte_length
+        } else {
+            length(&mesh.with_file_name(uri))
+        })
     });
     others.fold(own, u64::saturating_add)
 }
