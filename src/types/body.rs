@@ -187,15 +187,9 @@ impl ExternalForces {
     /// rad/s². The inverse inertia tensor may be in any axes.
     pub(crate) fn accelerations(&self, inverse_mass: f32, inverse_inertia: &Mat3) -> (Vec3, f32) {
         // No vector grows by more than the Frobenius norm.
-        let norm = |tensor: &Mat3| {
-            Vec3::from_array(tensor.to_cols_array_2d().map(|axis| Vec3::from_array(axis).length())).length()
-        };
-        let turn = if self.torque == Vec3::ZERO {
-            0.0
-        } else {
-            norm(inverse_inertia) * self.torque.length()
-        };
-        (self.force * inverse_mass, turn)
+        let Mat3 { x_axis, y_axis, z_axis } = inverse_inertia;
+        let norm = Vec3::new(x_axis.length(), y_axis.length(), z_axis.length()).length();
+        (self.force * inverse_mass, norm * self.torque.length())
     }
 
     /// Whether all forces and impulses are zero.

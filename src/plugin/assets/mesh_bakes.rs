@@ -79,9 +79,10 @@ enum Beside {
 pub(crate) struct MeshBakes {
     bakes: HashMap<Key, Bake>,
     beside: HashMap<AssetPath<'static>, (Vec<AssetId<Mesh>>, Beside)>,
-    /// Meshes that could not be loaded, and files beside a mesh's file.
+    /// Meshes that could not be loaded.
     missing: HashSet<AssetId<Mesh>>,
-    missing_beside: HashSet<AssetId<CollisionMesh>>,
+    /// Files beside a mesh's file that could not be loaded, with the meshes that they are for.
+    missing_beside: HashMap<AssetId<CollisionMesh>, Vec<AssetId<Mesh>>>,
     /// Files beside a mesh's file that have the names of several meshes.
     ambiguous: HashSet<AssetPath<'static>>,
     /// Meshes that changed since the last frame.
@@ -122,11 +123,8 @@ fn follow_changes(
         _ => None,
     }));
     for change in baked_changes.read() {
-        if let AssetEvent::Added { id } = change
-            && missing_beside.remove(id)
-        {
-            let found = beside.values().filter(|(_, beside)| beside.is(*id));
-            changed.extend(found.flat_map(|(meshes, _)| meshes));
+        if let AssetEvent::Added { id } = change {
+            changed.extend(missing_beside.remove(id).into_iter().flatten());
         }
     }
     if !changed.is_empty() {
@@ -178,12 +176,6 @@ impl Source {
             meshes: self.ids().collect(),
             settings: (faces, degrees, image, tolerances, inward),
         }
-    }
-}
-
-impl Beside {
-    fn is(&self, id: AssetId<CollisionMesh>) -> bool {
-        matches!(self, Self::Found(_, handle) if handle.id() == id)
     }
 }
 
@@ -276,7 +268,7 @@ impl MeshBakes {
             Beside::Found(_, handle) if assets.baked.contains(&*handle) => Poll::Ready(Some(Ok(handle.clone()))),
             Beside::Found(path, handle) => match assets.server.load_state(&*handle) {
                 LoadState::Failed(error) => {
-                    self.missing_beside.insert(handle.id());
+                    self.missing_beside.insert(handle.id(), meshes.clone());
                     Poll::Ready(Some(Err(MeshBakeError::Beside {
                         path: path.clone(),
                         error,

@@ -3,6 +3,7 @@
 use super::{Character, CharacterGround};
 use crate::plugin::components::{RigidBodyDisabled, Teleport};
 use crate::plugin::sync::Step;
+use crate::plugin::sync::components::is_at_rest;
 use crate::plugin::sync::publish::WrittenTransforms;
 use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody};
 use bevy::ecs::query::QueryData;
@@ -46,9 +47,7 @@ impl MovesItem<'_, '_> {
         match self.kind {
             RigidBody::Static => true,
             RigidBody::Dynamic => false,
-            RigidBody::Kinematic => {
-                self.linear.is_none_or(|v| v.0 == Vec3::ZERO) && self.angular.is_none_or(|w| w.0 == Vec3::ZERO)
-            }
+            RigidBody::Kinematic => is_at_rest(self.linear, self.angular),
         }
     }
 }

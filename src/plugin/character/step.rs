@@ -85,13 +85,12 @@ pub(super) fn move_characters(
             rotation: decompose(&to_world.matrix3).0.as_quat(),
         };
         let above = places.above(entity);
-        let place = places.transform_of(entity).unwrap_or_default().translation;
+        let mut place = places.transform_of(entity).unwrap_or_default().translation;
         let is_here = |contact: &GroundContact| {
             let way = above.transform_vector3((place - contact.place).as_dvec3());
             way.length() <= f64::from(character.radius)
         };
         let (position, found) = step.run(ground.0.filter(is_here), gravity, &places);
-        let mut place = place;
         if position != step.start {
             let translation = above.inverse().transform_point3(position.as_dvec3()).as_vec3();
             if let Ok(mut transform) = places.transforms.get_mut(entity)

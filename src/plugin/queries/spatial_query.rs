@@ -4,8 +4,9 @@ use super::filter::SpatialQueryFilter;
 use super::hits::{PointHitData, RayHitData, ShapeHitData};
 use super::index::{SpatialIndex, SpatialQueryError};
 use super::update::update_spatial_queries;
-use crate::queries::{QueryShape, Ray, SceneRayHit, SceneSegmentHit};
+use crate::queries::{QueryShape, Ray, Scene, SceneCastHit, SceneRayHit, SceneSegmentHit};
 use bevy::ecs::system::SystemParam;
+use bevy::math::{DQuat, DVec3};
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
@@ -167,8 +168,9 @@ impl SpatialQuery<'_, '_> {
         max_distance: f32,
         filter: &SpatialQueryFilter,
     ) -> Option<ShapeHitData> {
-        let hits = self.shape_hits(shape, translation, rotation, direction, max_distance, 1, filter);
-        hits.into_iter().next()
+        let path = ShapePath::new(shape, translation, rotation, direction, max_distance);
+        let hit = path.first(self.index.scene()?, |number| self.admits(filter, number))?;
+        Some(ShapeHitData::new(&self.index, &hit))
     }
 
     /// The same for each of the `max_hits` colliders and planes that the shape touches first, in the order of distance, as if it
@@ -183,17 +185,13 @@ impl SpatialQuery<'_, '_> {
         max_hits: usize,
         filter: &SpatialQueryFilter,
     ) -> Vec<ShapeHitData> {
+        let Some(scene) = self.index.scene() else {
+            return Vec::new();
+        };
+        let path = ShapePath::new(shape, translation, rotation, direction, max_distance);
         let (mut hits, mut passed) = (Vec::new(), HashSet::<usize>::default());
         while hits.len() < max_hits
-            && let Some(scene) = self.index.scene()
-            && let Some(hit) = scene.cast(
-                shape,
-                translation.as_dvec3(),
-                rotation.as_dquat(),
-                direction.as_dvec3(),
-                max_distance.into(),
-                |number| self.admits(filter, number) && !passed.contains(&number),
-            )
+            && let Some(hit) = path.first(scene, |number| self.admits(filter, number) && !passed.contains(&number))
         {
             passed.insert(hit.number);
             hits.push(ShapeHitData::new(&self.index, &hit));
@@ -219,6 +217,39 @@ impl SpatialQuery<'_, '_> {
 
     fn hit(&self, hit: &SceneRayHit) -> RayHitData {
         RayHitData::new(&self.index, hit)
+    }
+}
+
+/// A shape and where it moves.
+struct ShapePath<'a> {
+    shape: &'a QueryShape<'a>,
+    translation: DVec3,
+    rotation: DQuat,
+    direction: DVec3,
+    max_distance: f64,
+}
+
+impl<'a> ShapePath<'a> {
+    fn new(shape: &'a QueryShape<'a>, translation: Vec3, rotation: Quat, direction: Dir3, max_distance: f32) -> Self {
+        Self {
+            shape,
+            translation: translation.as_dvec3(),
+            rotation: rotation.as_dquat(),
+            direction: direction.as_dvec3(),
+            max_distance: max_distance.into(),
+        }
+    }
+
+    /// What it touches first of what passes the filter.
+    fn first(&self, scene: &Scene, filter: impl Fn(usize) -> bool) -> Option<SceneCastHit> {
+        scene.cast(
+            self.shape,
+            self.translation,
+            self.rotation,
+            self.direction,
+            self.max_distance,
+            filter,
+        )
     }
 }
 

@@ -61,9 +61,10 @@ pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Res<StepReport>, col
 /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident), the next step. The poses of a
 /// [`Snapshot`](crate::plugin::snapshot::Snapshot) are `snapshot.bodies()`.
 pub fn update_spatial_queries_from<'a>(world: &mut World, bodies: impl IntoIterator<Item = (Entity, &'a Motion)>) {
-    let pose_of = |motion: &Motion| (motion.position, motion.rotation);
-    let poses = bodies.into_iter().map(|(body, motion)| (body, pose_of(motion)));
-    let poses: Poses = poses.collect();
+    let poses = bodies.into_iter();
+    let poses: Poses = poses
+        .map(|(body, motion)| (body, (motion.position, motion.rotation)))
+        .collect();
     if let Err(error) = world.run_system_cached_with(read_with, poses) {
         error!("{error}");
     }

@@ -33,7 +33,7 @@ pub(super) fn take(world: &mut World) -> BTreeMap<Entity, CharacterState> {
 
 /// Restores all characters. Those without a state keep theirs, but leave their ground, which may be elsewhere now. Returns the
 /// entities that no longer exist.
-pub(super) fn restore(states: &BTreeMap<Entity, CharacterState>, world: &mut World) -> impl Iterator<Item = Entity> {
+pub(super) fn restore(states: &BTreeMap<Entity, CharacterState>, world: &mut World) -> Vec<Entity> {
     let mut others = world.query::<(Entity, &mut CharacterGround)>();
     for (entity, mut ground) in others.iter_mut(world) {
         if !states.contains_key(&entity) {
@@ -47,7 +47,7 @@ pub(super) fn restore(states: &BTreeMap<Entity, CharacterState>, world: &mut Wor
             Err(_) => gone.push(entity),
         }
     }
-    gone.into_iter()
+    gone
 }
 
 impl CharacterState {

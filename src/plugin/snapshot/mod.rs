@@ -181,7 +181,11 @@ impl Snapshot {
         }
         self.restore_nested(world);
         let gone_characters = characters::restore(&self.characters, world);
-        gone.extend(gone_characters.filter(|entity| !self.bodies.contains_key(entity)));
+        gone.extend(
+            gone_characters
+                .into_iter()
+                .filter(|entity| !self.bodies.contains_key(entity)),
+        );
         // These poses are those of a step. What others write from now on places bodies.
         let written_at = world.increment_change_tick();
         if let Some(mut step) = world.get_resource_mut::<Step>() {

@@ -87,8 +87,7 @@ impl BodyComponentsItem<'_, '_> {
 
     /// Whether neither velocity is other than zero.
     pub fn has_no_velocity(&self) -> bool {
-        let (linear, angular) = (self.linear_velocity, self.angular_velocity);
-        linear.is_none_or(|v| v.0 == Vec3::ZERO) && angular.is_none_or(|w| w.0 == Vec3::ZERO)
+        is_at_rest(self.linear_velocity, self.angular_velocity)
     }
 
     /// The body at this pose, without a mesh.
@@ -173,4 +172,9 @@ impl HandlingComponentsItem<'_, '_> {
             ..BodyParams::default()
         }
     }
+}
+
+/// Whether neither velocity is other than zero.
+pub(crate) fn is_at_rest(linear: Option<&LinearVelocity>, angular: Option<&AngularVelocity>) -> bool {
+    linear.is_none_or(|v| v.0 == Vec3::ZERO) && angular.is_none_or(|w| w.0 == Vec3::ZERO)
 }

@@ -4,7 +4,7 @@ mod assemblies;
 mod children;
 pub(crate) mod collect;
 mod collected;
-mod components;
+pub(crate) mod components;
 pub(crate) mod driven;
 pub(crate) mod entity_hooks;
 pub(crate) mod hierarchy;
