@@ -2,7 +2,7 @@
 // follow. One thread per collider.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
-#import faceoff::math::{compose, limited, rotate, rotation_by}
+#import faceoff::math::{compose, pushed, rotate, rotation_by}
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> step: t::Step;
@@ -40,8 +40,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if step.response != 0u {
             push = impulses[i];
         }
-        v = limited(v + (step.gravity * (body.gravity_scale * step.dt) + push.linear));
-        w = limited(w + push.angular);
+        v = pushed(v, step.gravity * (body.gravity_scale * step.dt) + push.linear);
+        w = pushed(w, push.angular);
     }
     if kind != t::STATIC {
         // The centre of mass moves along a line, and the mesh's origin rotates about it.

@@ -1,7 +1,7 @@
 // Integrate: the same for compounds and their colliders. One thread per compound.
 #import faceoff::compound::{CompoundMotion, placed_part}
 #import faceoff::dispatch::group_index
-#import faceoff::math::{compose, limited, rotate, rotation_by}
+#import faceoff::math::{compose, pushed, rotate, rotation_by}
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -25,14 +25,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var w = compound.angular_velocity;
     let body = bodies[compound.collider];
     if (body.flags & t::KIND_MASK) == t::DYNAMIC {
-        v += step.gravity * (body.gravity_scale * step.dt);
+        var push: t::Impulse;
         // Without response nobody sums impulses.
         for (var k = first; k < end && step.response != 0u; k += 1u) {
-            v += impulses[parts[k].collider].linear;
-            w += impulses[parts[k].collider].angular;
+            push.linear += impulses[parts[k].collider].linear;
+            push.angular += impulses[parts[k].collider].angular;
         }
-        v = limited(v);
-        w = limited(w);
+        v = pushed(v, step.gravity * (body.gravity_scale * step.dt) + push.linear);
+        w = pushed(w, push.angular);
     }
     // The centre of mass moves along a line, and the origin rotates about it.
     let before = rotate(compound.rotation, compound.center);

@@ -49,10 +49,9 @@ var<workgroup> base: vec2<u32>;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
 #ifdef PIECES
-    let before = select(0u, atomicLoad(&contact_counters[t::NEAR_PIECES]), IS_DEEP);
-    let end = before + atomicLoad(&contact_counters[select(t::NEAR_PIECES, t::DEEP_PIECES, IS_DEEP)]);
-    let number = before + group_index(group);
-    if agree(thread, u32(number >= end || end > limits.pieces)) == 1u {
+    let all = pieces();
+    let number = all.x + group_index(group);
+    if agree(thread, u32(number >= all.y || all.y > limits.pieces)) == 1u {
         return;
     }
     let piece = near_pieces[number];
@@ -83,8 +82,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     if agree(thread, setup.is_split) != 0u {
-        let found = found_by_pieces(setup.first_near, near_count, thread);
-        place_pieces(setup.first_near, near_count, place_of(index, found, thread), thread);
+        // If not all pieces fit, none has told what it found: they hold places of an earlier run.
+        let told = agree(thread, select(near_count, 0u, pieces().y > limits.pieces));
+        let found = found_by_pieces(setup.first_near, told, thread);
+        place_pieces(setup.first_near, told, place_of(index, found, thread), thread);
         return;
     }
     var first = vec2(0u);
@@ -99,6 +100,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
     }
 #endif
+}
+
+// The first of the pieces that are searched now, and their end.
+fn pieces() -> vec2<u32> {
+    let first = select(0u, atomicLoad(&contact_counters[t::NEAR_PIECES]), IS_DEEP);
+    return vec2(first, first + atomicLoad(&contact_counters[select(t::NEAR_PIECES, t::DEEP_PIECES, IS_DEEP)]));
 }
 
 #ifndef PIECES

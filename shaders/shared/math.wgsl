@@ -10,6 +10,14 @@ fn limited(v: vec3<f32>) -> vec3<f32> {
     return clamp(v, vec3(-MAX_SPEED), vec3(MAX_SPEED));
 }
 
+// A velocity after a change, no larger than bodies may have. A change that is no number has no effect.
+fn pushed(velocity: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
+    let after = velocity + change;
+    // Compilers may take it for granted that comparisons find no NaN.
+    let is_nan = (bitcast<vec3<u32>>(after) & vec3(0x7fffffffu)) > vec3(0x7f800000u);
+    return select(limited(after), velocity, any(is_nan));
+}
+
 // Rotates v by the unit quaternion q.
 fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
     let t = 2.0 * cross(q.xyz, v);

@@ -47,7 +47,7 @@ fn state_at_start(host: s::MotionState, known: s::MotionState, start: Start) -> 
     }
     if start.kind != t::DYNAMIC {
         state.asleep = select(0u, s::CHANGED, has_changed(start));
-    } else if goes_on(start) && (known.asleep == 0u || (carried & t::WOKEN) == 0u) {
+    } else if goes_on(start) && (known.asleep == 0u || is_at_rest(start)) {
         state.asleep = known.asleep;
         state.rest_time = known.rest_time;
         state.neighbours = known.neighbours;
@@ -57,10 +57,15 @@ fn state_at_start(host: s::MotionState, known: s::MotionState, start: Start) -> 
 
 // Not 0 if a body with this state is inactive.
 fn inactive_at_start(state: s::MotionState, start: Start) -> u32 {
+    return select(0u, t::RESTS, goes_on(start) && (start.kind == t::STATIC || state.asleep != 0u));
+}
+
+// Whether nothing sets it in motion. Otherwise it is awake from the start of the step: its speed counts for collision
+// substeps, and contact points are found for it.
+fn is_at_rest(start: Start) -> bool {
     let v = start.motion.linear_velocity;
     let w = start.motion.angular_velocity;
-    let sleeps = state.asleep != 0u && all(v == vec3(0.0)) && all(w == vec3(0.0));
-    return select(0u, t::RESTS, goes_on(start) && (start.kind == t::STATIC || sleeps));
+    return (start.carried & t::WOKEN) == 0u && all(v == vec3(0.0)) && all(w == vec3(0.0));
 }
 
 // Whether it continues from the last step and has not been moved since.

@@ -70,17 +70,19 @@ impl StepMemory {
             } = self.bodies[before];
             let same = inputs == PlacedSleepInputs::of(input, i);
             let params = &bodies.params[i];
-            if !params.can_sleep || params.woken && sleep.asleep || sleep.asleep && !same || all_wake {
+            let motion = &solver_bodies.motions[i];
+            let at_rest = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
+            // What an impulse or a force sets in motion is awake from the start of the step: its speed counts for collision
+            // substeps, and contact points are found for it.
+            let is_woken = params.woken || !same || !at_rest || !solver_bodies.forces[i].is_zero();
+            if !params.can_sleep || is_woken && sleep.asleep || all_wake {
                 sleep = SleepState::default();
             }
             solver_bodies.sleep[i] = sleep;
             // A body with a recent impact is likely to have another one with the same body, so it needs collision
             // substeps too.
             solver_bodies.bodies[i].continuous &= !had_impact;
-            let (motion, forces) = (&solver_bodies.motions[i], &solver_bodies.forces[i]);
-            let at_rest = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
-            inactive.flags[i] =
-                same && (bodies.kind[i] == RigidBody::Static || (sleep.asleep && at_rest && forces.is_zero()));
+            inactive.flags[i] = same && (bodies.kind[i] == RigidBody::Static || sleep.asleep);
             inactive.any |= sleep.asleep;
             if bodies.kind[i] == RigidBody::Kinematic && !same {
                 inactive.replaced.push(i as u32);

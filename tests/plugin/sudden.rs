@@ -17,18 +17,30 @@ fn force(speed: Vec3) -> ExternalForces {
     }
 }
 
-/// A ball of 1 kg, which rests 2 m before a plate of 1 cm, and the plate.
-fn range(sim: &mut Sim) -> (Entity, Entity) {
+/// An impulse and a force of one step for this speed of a body of 1 kg, twice as much with the force, and the number of steps
+/// for which the body rests before: it is awake after one, and asleep after many.
+fn shots(speed: f32) -> [(ExternalForces, usize); 4] {
+    let [impulse, force] = [push(Vec3::X * speed), force(Vec3::X * 2.0 * speed)];
+    [(impulse, 1), (force, 1), (impulse, 80), (force, 80)]
+}
+
+/// A ball of 1 kg, which rests so far before a plate of 1 cm, and the plate.
+fn range(sim: &mut Sim, distance: f32) -> (Entity, Entity) {
     let (ball, cube) = (sim.mesh(&shapes::ball(0.05, 2)), sim.mesh(&shapes::cube(1.0)));
     let plate = Transform::from_xyz(2.0, 0.0, 0.0).with_scale(Vec3::new(0.01, 1.0, 1.0));
     let plate = sim.spawn((cube, plate));
-    (sim.spawn((resting(&ball, Vec3::ZERO), Mass(1.0))), plate)
+    (
+        sim.spawn((resting(&ball, Vec3::X * (2.0 - distance)), Mass(1.0))),
+        plate,
+    )
 }
 
 pub fn a_bullet_that_is_fired_does_not_pass_a_plate() {
-    for shot in [push(Vec3::X * 300.0), force(Vec3::X * 600.0)] {
+    for (shot, steps) in shots(300.0) {
         let mut sim = Sim::new();
-        let (bullet, _) = range(&mut sim);
+        let (bullet, _) = range(&mut sim, 2.0);
+        sim.step(steps);
+        assert_eq!(sim.get::<Sleeping>(bullet).0, steps > 1);
         sim.set(bullet, (ContinuousCollision, shot));
         for _ in 0..3 {
             sim.step(1);
@@ -40,10 +52,12 @@ pub fn a_bullet_that_is_fired_does_not_pass_a_plate() {
 }
 
 pub fn a_push_counts_for_collision_substeps() {
-    for shot in [push(Vec3::X * 8.0), force(Vec3::X * 16.0)] {
+    for (shot, steps) in shots(8.0) {
         let mut sim = Sim::new();
-        let (ball, plate) = range(&mut sim);
-        sim.set(ball, (Transform::from_xyz(1.9, 0.0, 0.0), shot));
+        let (ball, plate) = range(&mut sim, 0.1);
+        sim.step(steps);
+        assert_eq!(sim.get::<Sleeping>(ball).0, steps > 1);
+        sim.set(ball, shot);
         sim.step(1);
         assert!(sim.report().collision_substeps > 1);
         assert!(sim.touch(ball, plate) || sim.velocity(ball).x < 1.0);

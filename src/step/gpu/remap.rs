@@ -132,7 +132,6 @@ impl LastBodies {
         for (i, before) in remap::previous_numbers(&self.keys, &keys).enumerate() {
             let Some(before) = before else { continue };
             remap.new_numbers[before as usize] = i as u32;
-            let params = &bodies.params[i];
             let sleeps = keeps_sleep(bodies, i, same_gravity);
             // Another scale or mesh may move the centre of mass.
             let (now, then) = (&sleep_inputs[i], &self.sleep_inputs[before as usize]);
@@ -144,7 +143,7 @@ impl LastBodies {
             } else {
                 0
             };
-            carried |= if params.woken { WOKEN } else { 0 };
+            carried |= if is_woken(bodies, i) { WOKEN } else { 0 };
             remap.bodies[i] = (before, carried);
         }
         self.slow_down(&mut remap);
@@ -239,7 +238,7 @@ impl LastBodies {
             if !(same && keeps_sleep(bodies, i, same_gravity)) {
                 compound.carried &= !CARRIED_SLEEP;
             }
-            compound.carried |= if bodies.params[i].woken { WOKEN } else { 0 };
+            compound.carried |= if is_woken(bodies, i) { WOKEN } else { 0 };
         }
         compounds
     }
@@ -249,6 +248,11 @@ impl LastBodies {
         let at = self.parts.binary_search_by_key(&collider, |part| part.collider);
         at.ok().map(|at| &self.parts[at])
     }
+}
+
+/// Whether a sleeping collider wakes at the start of the step.
+fn is_woken(bodies: &Bodies, i: usize) -> bool {
+    bodies.params[i].woken || !bodies.params[i].forces.is_zero()
 }
 
 /// Whether the sleep state of a collider carries over while nothing about it changes. What is not dynamic never sleeps.

@@ -8,9 +8,9 @@ use super::scenes::half_spaces;
 use crate::oracle::rng::Rng;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::state::{Body, StepConfig};
+use bevy_faceoff::state::{Body, Plane, StepConfig};
 use bevy_faceoff::step::gpu::GpuStep;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// An open strip of so many triangles, wound about the z axis, at most `turns` radians.
 pub fn strip(triangles: u32, turns: f32) -> TriMesh {
@@ -126,4 +126,29 @@ pub fn none_and_one_of_everything(gpu: &Gpu) {
     all.add(agree(&nothing, &mut step, "nothing again"));
     all.require_no_failures();
     all.require_few_excused(1000);
+}
+
+/// A huge body that rotates fast and touches a plane gets an impulse that is no number.
+pub fn an_impulse_that_is_no_number_has_no_effect(gpu: &Gpu) {
+    let spin = Vec3::Z * 1.0e8;
+    let mut scene = Scene {
+        shapes: vec![Shape::new("cube", &shapes::cube(1.0), None)],
+        bodies: vec![Body {
+            angular_velocity: spin,
+            ..Body::at_rest(0, Vec3::ZERO, Quat::from_rotation_z(0.3), Vec3::splat(1.0e8))
+        }],
+        ..Default::default()
+    };
+    scene.planes.push(Plane {
+        normal: Vec3::Y,
+        distance: -0.5e8,
+        ..Plane::default()
+    });
+    let mut step = GpuStep::new(gpu.clone()).unwrap();
+    for state in [scene.on_cpu(), scene.on_gpu(&mut step)] {
+        assert_eq!(state.results.contacts.planes.len(), 1);
+        let bodies = &state.input.bodies;
+        assert_eq!(bodies.linear_velocity[0], Vec3::ZERO);
+        assert_eq!(bodies.angular_velocity[0], spin);
+    }
 }

@@ -115,3 +115,33 @@ pub fn large_and_small(gpu: &Gpu) {
         assert_eq!(of_cpu.len(), usize::from(height < 0.5), "{height}");
     }
 }
+
+/// Where the pieces of some pairs no longer fit, the lists of what pieces find grow by what is needed, not by what an earlier
+/// step left in them.
+pub fn pieces_that_do_not_fit_ask_for_nothing(gpu: &Gpu) {
+    let mut scene = two(&shapes::ball(0.5, 5), Vec3::new(0.9, 0.1, 0.05), Response::None);
+    // Other pairs, which barely touch at first.
+    for z in [2.0, 4.0, 6.0] {
+        for mut body in [scene.bodies[0].clone(), scene.bodies[1].clone()] {
+            body.position.x *= 1.1;
+            body.position.z += z;
+            scene.bodies.push(body);
+        }
+    }
+    let mut step = GpuStep::with_capacity(gpu.clone(), TINY).unwrap();
+    scene.on_gpu(&mut step);
+    let few = lists(&scene.on_gpu(&mut step));
+    for body in &mut scene.bodies[3..] {
+        body.position.x *= 0.9;
+    }
+    // The first pair's pieces fit, those of the others do not.
+    let many = lists(&scene.on_gpu(&mut step));
+    assert!(many.near_pieces.length > few.near_pieces.capacity, "{few:?}, {many:?}");
+    for (name, before, after) in [
+        ("features", few.features, many.features),
+        ("segments", few.segments, many.segments),
+    ] {
+        let most = before.capacity.max(2 * after.length);
+        assert!(after.capacity <= most, "{name}: {before:?}, {after:?}");
+    }
+}

@@ -32,6 +32,10 @@ pub const TESTS: &[Test] = &[
     ("meshes_of_any_size", inputs::meshes_of_any_size),
     ("none_and_one_of_everything", inputs::none_and_one_of_everything),
     (
+        "an_impulse_that_is_no_number_has_no_effect",
+        inputs::an_impulse_that_is_no_number_has_no_effect,
+    ),
+    (
         "hundreds_of_thousands_of_triangles",
         large::hundreds_of_thousands_of_triangles,
     ),
@@ -40,6 +44,10 @@ pub const TESTS: &[Test] = &[
         large::one_pair_is_shared_by_many_workgroups,
     ),
     ("large_and_small", large::large_and_small),
+    (
+        "pieces_that_do_not_fit_ask_for_nothing",
+        large::pieces_that_do_not_fit_ask_for_nothing,
+    ),
     (
         "too_many_places_are_found_or_an_error",
         overflow::too_many_places_are_found_or_an_error,
