@@ -1,12 +1,12 @@
 //! Which settings suit which program.
 //!
-//! The defaults suit a game with a few to some hundred bodies that fall, slide, stack and roll; with so few
-//! [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu) is faster than a GPU. Change a setting if your program is one of
-//! these.
+//! The defaults suit a game with bodies that fall, slide, stack and roll, but for one: [`Backend::Auto`] takes the GPU if there is
+//! one. With a few to some hundred bodies [`Backend::Cpu`] is faster, so set it there. Change other settings if your program is
+//! one of these.
 //!
 //! # A few bodies that matter
 //!
-//! A marble run, a vehicle made of parts, a puzzle of interlocking pieces. Keep the defaults, and draw between steps:
+//! A marble run, a vehicle made of parts, a puzzle of interlocking pieces. Run the stages on the CPU, and draw between steps:
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -14,9 +14,10 @@
 //!
 //! # let mut app = App::new();
 //! # app.add_plugins((MinimalPlugins, AssetPlugin::default()));
-//! app.add_plugins(FaceoffPlugins::default());
+//! let step = StepPlugin { backend: Backend::Cpu, ..default() };
+//! app.add_plugins(FaceoffPlugins { step });
 //! // With the feature `interpolation`:
-//! // app.add_plugins(FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all()));
+//! // app.add_plugins(FaceoffPlugins { step }.set(InterpolationPlugin::interpolate_all()));
 //!
 //! fn shoot(mut commands: Commands, bullet: Res<Bullet>) {
 //!     commands.spawn((
@@ -63,7 +64,7 @@
 //! two leave [`FaceLists`](crate::plugin::settings::FaceLists) off unless something looks at faces.
 //!
 //! With contacts a card pays from thousands of touching pairs on. With a few hundred bodies or fewer choose
-//! [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu): a step on a card waits for a hundred short dispatches and more.
+//! [`Backend::Cpu`]: a step on a card waits for a hundred short dispatches and more.
 //!
 //! # Servers, and games that must repeat
 //!
@@ -98,7 +99,7 @@
 //!
 //! **On one machine** two runs are equal if all of this is the same:
 //!
-//! * The executable, and [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu). Results of a GPU are not those of the CPU.
+//! * The executable, and [`Backend::Cpu`]. Results of a GPU are not those of the CPU.
 //! * The order of bodies. Give every collider and plane a [`StableKey`]: then entities do not matter, nor in which order bodies
 //!   are spawned. Without keys the entities must be the same.
 //! * Meshes, components, settings, and what systems write, before the same step.
@@ -179,6 +180,8 @@
 //! | test fewer triangles and miss some collisions | [`Culling`](crate::types::settings::Culling) |
 //! | simulate less often | `Time::<Fixed>::from_hz(32.0)`; contacts then push less smoothly |
 //!
+//! [`Backend::Auto`]: crate::plugin::settings::Backend::Auto
+//! [`Backend::Cpu`]: crate::plugin::settings::Backend::Cpu
 //! [`Readback::Latent`]: crate::plugin::settings::Readback::Latent
 //! [`Readback::Lockstep`]: crate::plugin::settings::Readback::Lockstep
 //! [`Readback::Resident`]: crate::plugin::settings::Readback::Resident

@@ -38,7 +38,7 @@
 //! | forces, damping, locked axes, speed limits | yes | yes | yes, without limits of speed | `plugin/contacts` |
 //! | dominance | **no** | yes: [rigid body][avian3d rigid_body] | yes: [rigid body][bevy_rapier3d rigid_body] | |
 //! | friction and restitution by formula | yes | yes | yes | `solver/friction`, `dynamics/bounce`, `dynamics/spin` |
-//! | heavy on light, towers of small cubes | yes: solved until converged | a fixed number of substeps: `SubstepCount` | a fixed number of iterations, more for chosen bodies | `small_games/heavy_on_light`, `small_games/dice_tower` |
+//! | heavy on light, towers of small cubes | yes: solved until converged, at most `SolverSettings::max_iterations` passes, and fewer for large islands | a fixed number of substeps: `SubstepCount` | a fixed number of iterations, more for chosen bodies | `small_games/heavy_on_light`, `small_games/dice_tower` |
 //! | a kinematic body moved by its `Transform` pushes and carries | yes | no: it pushes by its velocity components | yes: `KinematicPositionBased` | `plugin/driven`, `--example door` |
 //! | continuous collision detection | yes, by triangles, on the CPU also in steps on a GPU; sensors too | speculative contacts for all, `SweptCcd` for some: [ccd][avian3d ccd] | `Ccd` and `SoftCcd`: [rigid body][bevy_rapier3d rigid_body] | `dynamics/bullets`, `ccd/bullets`, `gpu/apps/fast_bodies` |
 //! | sleep | by island | by island: [sleeping][avian3d sleeping] | by island: [island manager][rapier3d island_manager] | `sleep/islands` |

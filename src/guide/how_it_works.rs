@@ -152,7 +152,7 @@
 #![doc = include_str!("pictures/manifold.svg")]
 //!
 //! At most 16 points of a pair are kept: the deepest, then repeatedly the one that is farthest from those kept, in
-//! place and normal. The two cubes in the middle of the picture have four:
+//! place and normal. A body on a plane has at most 8. The two cubes in the middle of the picture have four:
 //!
 //! ```
 //! use bevy_faceoff::asset::CollisionMesh;
@@ -218,7 +218,7 @@
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
 //! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same device |
-//! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, or some of these are among more than 65,000 bodies, all may have the largest number |
+//! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, or if their number times that of all bodies exceeds 4 million, all may have the largest number |
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
 //! A step on a GPU is one submission, for any number of collision substeps. The device counts those that the step needs, but

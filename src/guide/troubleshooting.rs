@@ -4,8 +4,8 @@
 //!
 //! # A body is rejected
 //!
-//! A body that is left out is named once, in the log and by [`BodyRejected`](crate::plugin::events::BodyRejected). It takes
-//! part again when its components are valid.
+//! A body, collider or plane that is left out of the step is named once, in the log and by
+//! [`BodyRejected`](crate::plugin::events::BodyRejected). It takes part again when its components are valid.
 //!
 //! | [`BodyFault`](crate::state::BodyFault) | cause | what to do |
 //! |---|---|---|
@@ -20,7 +20,7 @@
 //! | `Sheared` | the mesh under an unequal scale becomes flat, or too large | scale the mesh instead |
 //! | `MeshMissing` | a handle that nothing loads, `Handle::default()` | keep the handle that `load` or `add` returned |
 //! | `MeshFailed` | the file cannot be read; an error of the asset server says why | mend the file |
-//! | `PlaneOnBody` | both a mesh and a plane | the plane on an entity of its own |
+//! | `PlaneOnBody` | both a mesh and a plane: the body takes part, the plane is ignored | the plane on an entity of its own |
 //!
 //! # Nothing collides
 //!

@@ -39,8 +39,8 @@ use serde::{Deserialize, Serialize};
 /// }
 /// ```
 ///
-/// A pair of colliders is tested if at least one of them is dynamic, or if one is a
-/// [`Sensor`](crate::plugin::components::Sensor) and the other is kinematic.
+/// A pair of colliders is tested if at least one of the two is dynamic. A pair with a
+/// [`Sensor`](crate::plugin::components::Sensor) is tested if at least one of the two is dynamic or kinematic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",

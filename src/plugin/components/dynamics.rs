@@ -1,5 +1,8 @@
-//! Dynamics of a body: mass, inertia, damping, speed limits and continuous collision detection. They take effect with
-//! [`Response::Contacts`](crate::types::settings::Response::Contacts).
+//! Dynamics of a body: mass, inertia, gravity, damping, speed limits, continuous collision detection and sleep.
+//!
+//! [`GravityScale`] takes effect with every [`Response`](crate::types::settings::Response). [`Mass`], [`Density`] and
+//! [`AngularInertia`] take effect with [`Response::Contacts`](crate::types::settings::Response::Contacts) and
+//! [`Response::Impulse`](crate::types::settings::Response::Impulse), and the others with `Response::Contacts` only.
 
 pub use crate::types::body::{ExternalForces, LockedAxes};
 pub use crate::types::material::CombineRule;

@@ -43,7 +43,7 @@ pub(crate) struct ColliderToCome;
 /// move it. It may have [`Friction`](crate::types::material::Friction) and
 /// [`Restitution`](crate::types::material::Restitution), and obeys
 /// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`ColliderDisabled`]. With [`Sensor`] it is not solid, and detects
-/// what is below it: the surface of a lake, or a depth that no player survives. Collisions with planes are reported like those
+/// the dynamic and kinematic bodies below it: the surface of a lake, or a depth that no player survives. Collisions with planes are reported like those
 /// with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
@@ -99,7 +99,8 @@ pub struct StableKey(pub u64);
 /// body that passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and
 /// only if the faster one of the two has [`ContinuousCollision`].
 ///
-/// It detects dynamic and kinematic bodies, so also the door that it opens. Ask who came:
+/// At least one of the two must be dynamic or kinematic. So a static sensor detects dynamic and kinematic bodies, also the door
+/// that it opens, but no static colliders. A dynamic or kinematic sensor detects static colliders too. Ask who came:
 ///
 /// ```
 /// # use bevy::prelude::*;
