@@ -113,20 +113,22 @@
 //! * The same target, for example `x86_64-unknown-linux-gnu`, and the same compiler with the same options. `-C target-cpu` and
 //!   `-C target-feature` change how vectors are computed, and so does another architecture.
 //! * The same library of mathematical functions. A step calls `exp` (damping, choice of contact points) and, for rotations,
-//!   `sin`, `cos` and the arc functions of Rust's standard library, which takes them from the operating system: on Linux
-//!   from glibc, whose versions may differ in the last bit. A program that is linked statically, for example with
-//!   `x86_64-unknown-linux-musl`, brings its own. All else are basic operations and square roots, which IEEE 754 defines to the bit.
+//!   `sin`, `cos` and the arc functions of Rust's standard library. The library takes them from the operating system. On Linux
+//!   that is glibc, and the results of its versions may differ in the last bit. A statically linked program, for example for
+//!   `x86_64-unknown-linux-musl`, contains these functions. The rest of a step uses basic operations and square roots, which IEEE
+//!   754 defines to the bit.
 //! * The same meshes, to the bit. Bake them once and ship the `.faceoff` files: a bake calls such functions more often.
 //!
 //! The tests run on one machine at a time, so equality between machines follows from these reasons and is not tested. Compare
 //! a hash of the poses now and then, and send a [`Snapshot`] when they differ.
 //!
-//! **On a GPU** the same device, driver and build repeat themselves with [`Readback::Lockstep`]. Another device or driver gives
-//! other bits. With [`Readback::Latent`] and [`Readback::Resident`] a step has one collision substep if no more can be needed by
-//! the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before, so that impacts since then may lead to other bits.
+//! **On a GPU** two runs with [`Readback::Lockstep`] give the same bits if the GPU, the driver and the build are the same. Another
+//! GPU or driver gives other bits. With [`Readback::Latent`] and [`Readback::Resident`] the bits may differ from those of
+//! `Lockstep` after an impact: a step has only one collision substep if the speeds of
+//! [`LATENCY`](crate::plugin::settings::LATENCY) steps before do not need more.
 //!
-//! What a [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds is equal too, but for ties: which of two hits at exactly the
-//! same distance comes first depends on how bodies were spawned.
+//! A [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds the same, except where two hits have exactly the same distance:
+//! which of them comes first depends on how bodies were spawned.
 //!
 //! # In a browser
 //!

@@ -4,11 +4,11 @@
 //! dimensions, or an engine that many games have used for years. They are ahead in all of these; Avian has double
 //! precision too. Take this plugin where concave meshes move and meet each other, and where it matters which faces touch.
 //!
-//! Read in the sources of avian3d 0.7.0 with parry3d 0.27.0, and of bevy_rapier3d 0.36.0, which uses rapier3d
-//! 0.35.0-glamx0.2 and parry3d 0.30.2-glamx0.2-b. Links lead to the place in their sources; "no" means that sources and
-//! documentation have nothing of the kind. The last column names what shows the row in this repository: a file of `tests`
-//! without its ending, or a program, as `--example chain`; its command is in the README.
-//! [`from_avian`](super::from_avian) and [`from_bevy_rapier`](super::from_bevy_rapier) have the names of things.
+//! What the tables say about the other two was read in the sources of avian3d 0.7.0 with parry3d 0.27.0, and of
+//! bevy_rapier3d 0.36.0, which uses rapier3d 0.35.0-glamx0.2 and parry3d 0.30.2-glamx0.2-b. Links lead to the place in
+//! these sources. "no" means that neither sources nor documentation have it. The last column names what shows the row in
+//! this repository: a file of `tests` without its ending, or a program, as `--example chain`; its command is in the
+//! README. [`from_avian`](super::from_avian) and [`from_bevy_rapier`](super::from_bevy_rapier) have the names of things.
 //!
 //! # Shapes and contacts
 //!

@@ -1,6 +1,7 @@
 //! What to do about warnings, errors and surprises.
 //!
-//! Add Bevy's `LogPlugin` first: it is part of `DefaultPlugins`, and not of `MinimalPlugins`. Most rows are told there.
+//! Add Bevy's `LogPlugin` first. It is part of `DefaultPlugins`, but not of `MinimalPlugins`. The log tells about most of what
+//! follows.
 //!
 //! # A body is rejected
 //!
@@ -56,7 +57,7 @@
 //! |---|---|---|
 //! | every step takes long though little touches | `StepReport::collision_substeps` is above 1: a thin or small body is fast among others | a thicker mesh, or a smaller `max_collision_substeps` |
 //! | the log says that steps run on the CPU | colliders or planes with `ActiveCollisionHooks`, which a GPU does not have | remove them, or accept it |
-//! | the log says that steps wait for the GPU in their midst | a body with `ContinuousCollision`, which the CPU stops | remove it when the body is slow, or accept it |
+//! | the log says that the CPU waits for the GPU during a step | a body with `ContinuousCollision`, which the CPU stops | remove it when the body is slow, or accept it |
 //! | the log says that bodies overlap too many others | thousands of bodies in one place | spawn them apart |
 //! | `Collision::faces` is `None` | nobody asked for lists of faces | [`FaceLists(true)`](crate::plugin::settings::FaceLists) |
 //! | the first step takes seconds | kernels are compiled, or a table of faces is baked | `Readback::Latent`; bake ahead of time |

@@ -145,8 +145,8 @@ pub enum Readback {
     /// Like `Latent`, but the bodies stay on the GPU: components and `Collisions` are not written, and no messages of
     /// collisions are sent. Components hold what users wrote last.
     ///
-    /// A kinematic body that has moved by its velocity moves by its `Transform` again once you have stopped it and
-    /// inserted its `Transform`. Of one that was dynamic, insert both velocities, too, in the same step.
+    /// To move a kinematic body by its `Transform` after it has moved by its velocity, set both velocities to zero and insert its
+    /// `Transform`. If the body was dynamic before, insert both velocities and the `Transform` in the same step.
     ///
     /// [`StepReport`](crate::plugin::collisions::StepReport) has the counts. Draw from [`poses`](crate::plugin::poses).
     /// To read poses and velocities back, use [`Snapshot::take`](crate::plugin::snapshot::Snapshot::take).

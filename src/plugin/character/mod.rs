@@ -84,9 +84,10 @@ pub struct Character {
     pub up: Dir3,
     /// What the game wants, m/s. After the step it is what was possible: without the part into walls.
     ///
-    /// On the ground it is relative to the ground. It is horizontal after the step also on slopes, and a part along `up` is a
-    /// jump. In the air it is relative to the world, and gravity changes it. Who leaves the ground takes along the velocity
-    /// of the ground. Whoever comes to ground that moves keeps its velocity in the world, until the game sets another one.
+    /// On the ground it is relative to the ground. After the step it is horizontal, also on slopes. To jump, set a part along `up`.
+    /// In the air it is relative to the world, and gravity changes it. When the character leaves the ground, the velocity of the
+    /// ground is added to its own. When it lands on ground that moves, it keeps its velocity in the world until the game sets
+    /// another one.
     pub velocity: Vec3,
     /// The steepest slope on which it stands and walks, radians. Default 45 degrees. It slides down from steeper ones.
     pub max_slope: f32,

@@ -74,16 +74,17 @@ impl PlaneCollider {
     }
 }
 
-/// What a collider or plane is called in every run of a program, whatever its entity.
+/// A number that stands for the same collider or plane in every run of a program, whatever its entity is.
 ///
 /// Colliders and planes are processed in the order of their keys, and those without a key after them in the order of
 /// entities. So two worlds whose bodies have the same keys give the same results to the bit, whatever was spawned and
 /// despawned in between; and a [`Snapshot`](crate::plugin::snapshot::Snapshot) of one continues in the other. Give one to
 /// every collider and plane, or to none.
 ///
-/// Each has its own; those of a network or a saved game will do. A collider on a child has the key of its body if it has
-/// none, which is enough for a body with one collider. A key that appears twice causes a warning in the log, and then
-/// counts only for the collider with the smaller entity. The highest bit of a key does not count.
+/// Each collider and plane needs a key of its own. The numbers that a network or a saved game uses are suitable. A
+/// collider on a child has the key of its body if it has none, which is enough for a body with one collider. A key that
+/// appears twice causes a warning in the log, and then counts only for the collider with the smaller entity. The
+/// highest bit of a key does not count.
 ///
 /// A collider whose key changes is a new one to the step: it wakes, and its collisions end and start.
 #[derive(
@@ -148,8 +149,8 @@ pub struct RigidBodyDisabled;
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Teleport;
 
-/// Overrides the resource [`Culling`] for this body: which of its triangles are tested. The mode of the other body of a
-/// pair chooses among that body's triangles.
+/// Overrides the resource [`Culling`] for this body. It chooses which triangles of this body are tested. The mode of the
+/// other body of a pair chooses among the triangles of that other body.
 #[derive(
     Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut, Serialize, Deserialize,
 )]

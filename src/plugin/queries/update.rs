@@ -15,10 +15,10 @@ use bevy::math::{DAffine3, DMat3};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
 
-/// Makes questions see what systems have changed since the last step: the system to run before a system that asks, if others
-/// moved, spawned or removed colliders in the same frame.
+/// A system that updates what [`SpatialQuery`](super::SpatialQuery) sees. Run it before a system that queries, if others have
+/// moved, spawned or removed colliders since the last step.
 ///
-/// After each step it runs by itself, if any system asks. With
+/// After each step it runs by itself, if any system queries. With
 /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) it does nothing.
 ///
 /// ```

@@ -214,7 +214,7 @@ impl Step {
             && let Some(&entity) = fast.and_then(|collider| self.collected.bodies.get(collider))
         {
             info_once!(
-                "steps wait for the GPU in their midst because {entity} has ContinuousCollision, which runs on the CPU; their \
+                "the CPU waits for the GPU during a step because {entity} has ContinuousCollision, which runs on the CPU; \
                  results come as late as before"
             );
         }
