@@ -59,16 +59,16 @@
 //!     .insert_resource(Gravity(Vec3::ZERO));
 //! ```
 //!
-//! On a graphics card choose [`Readback::Resident`](crate::plugin::settings::Readback) if nothing but drawing needs the
+//! On a GPU choose [`Readback::Resident`](crate::plugin::settings::Readback) if nothing but drawing needs the
 //! poses, and draw from `plugin::poses`: the example `swarm` does. Then nothing but counts is read back. With the other
 //! two leave [`FaceLists`](crate::plugin::settings::FaceLists) off unless something looks at faces.
 //!
-//! With contacts a card pays from thousands of touching pairs on. With a few hundred bodies or fewer choose
-//! [`Backend::Cpu`]: a step on a card waits for a hundred short dispatches and more.
+//! With contacts a GPU pays from thousands of touching pairs on. With a few hundred bodies or fewer choose
+//! [`Backend::Cpu`]: a step on a GPU waits for a hundred short dispatches and more.
 //!
 //! # Servers, and games that must repeat
 //!
-//! No window, no graphics card, the same result whenever the same thing happens:
+//! No window, no GPU, the same result whenever the same thing happens:
 //!
 //! ```
 //! use bevy::log::LogPlugin;

@@ -15,10 +15,10 @@
 //! | | here | Avian | bevy_rapier | shown by |
 //! |---|---|---|---|---|
 //! | a moving concave mesh against another | contact points of the pair as a whole, at most 16 | a manifold for each pair of triangles: [parry][parry3d parry] | the same, joined into fewer before they are solved: [contact clustering][rapier3d contact_clustering] | `dynamics/chain`, `--example chain` |
-//! | every intersecting pair of faces, with segments | yes, tested against an oracle | no: contacts have ids of features, [contact types][avian3d contact_types] | no: the two triangles of each manifold, [narrow phase][bevy_rapier3d narrow_phase] | `triangle_test/exact` |
+//! | every intersecting face pair, with segments | yes, tested against an oracle | no: contacts have ids of features, [contact types][avian3d contact_types] | no: the two triangles of each manifold, [narrow phase][bevy_rapier3d narrow_phase] | `triangle_test/exact` |
 //! | a body wholly inside a closed mesh touches it | yes, and is pushed out | no: triangles are surfaces | no: the same | `plugin/reports`, `gpu/manifolds/inside` |
 //! | rooms: closed meshes that look inward | yes | surfaces are rooms anyway | the same | `plugin/bakes` |
-//! | balls, boxes, capsules, convex hulls, height fields, voxels as exact shapes | **no**: meshes and half-spaces | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `dynamics/planes` |
+//! | balls, boxes, capsules, convex hulls, height fields, voxels as exact shapes | **no**: meshes and planes | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `dynamics/planes` |
 //! | fine meshes roll as the smooth surface | yes | not needed: exact shapes | not needed: exact shapes | `dynamics/incline`, `small_games/balls` |
 //! | convex decomposition | not needed | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `dynamics/meshes` |
 //! | shapes of your own | **no** | yes: `AnyCollider`, [collider][avian3d collider] | yes: any `Shape` of parry in `Collider::raw` | |
@@ -46,7 +46,7 @@
 //! | vehicles | **no** | no | in rapier, without a component: [ray cast vehicle controller][rapier3d ray_cast_vehicle_controller] | |
 //! | a solver of your own | contact points without response | a plugin can be replaced: [plugin][avian3d plugin] | no | `plugin/contacts`, `--example custom_response` |
 //!
-//! # Questions to the world
+//! # Spatial queries
 //!
 //! | | here | Avian | bevy_rapier | shown by |
 //! |---|---|---|---|---|
@@ -84,7 +84,7 @@
 //!
 //! | | here | Avian | bevy_rapier | shown by |
 //! |---|---|---|---|---|
-//! | on a GPU | all stages; tested on a software driver and on one card, an NVIDIA H200 | no | no | `gpu/parity/steps`, `bevy_render` |
+//! | on a GPU | all stages; tested on a software driver and on one GPU, an NVIDIA H200 | no | no | `gpu/parity/steps`, `bevy_render` |
 //! | on all cores | yes | in part: feature `parallel` | yes: feature `parallel` | `plugin/clock` |
 //! | without a window or a GPU | yes | yes | yes | `--example headless` |
 //! | in a browser | built for it, and run in Node.js on one thread; not tried in a browser | written for it: [optimization][avian3d optimization] | rapier is for it too: the category `wasm` in [Cargo.toml][rapier3d Cargo.toml] | `.ci/web` |

@@ -106,7 +106,7 @@
 //! * **Until meshes are loaded** their bodies do not move, but others do, and may fall through what is not there yet. Load the
 //!   meshes first, or pause [`Time<Physics>`](crate::plugin::clock).
 //! * **What the solver remembers** is not part of a scene: impulses from step to step, and how long bodies have been at rest.
-//!   A heap that lies still stays where it is, and two apps that load the same scene go on alike to the bit.
+//!   A pile that lies still stays where it is, and two apps that load the same scene go on alike to the bit.
 //! * **To go on exactly as before**, save a [`Snapshot`](crate::plugin::snapshot::Snapshot) beside the scene, and give each collider
 //!   and plane a [`StableKey`](crate::plugin::components::StableKey).
 //!

@@ -20,7 +20,7 @@
 //! | `PlaneNormal`, `PlaneDistance` | a normal without direction, a distance that is no number | `PlaneCollider::through` |
 //! | `Sheared` | the mesh under an unequal scale becomes flat, or too large | scale the mesh instead |
 //! | `MeshMissing` | a handle that nothing loads, `Handle::default()` | keep the handle that `load` or `add` returned |
-//! | `MeshFailed` | the file cannot be read; an error of the asset server says why | mend the file |
+//! | `MeshFailed` | the file cannot be read; an error of the asset server says why | fix the file |
 //! | `PlaneOnBody` | both a mesh and a plane: the body takes part, the plane is ignored | the plane on an entity of its own |
 //!
 //! # Nothing collides
@@ -60,7 +60,7 @@
 //! | the log says that the CPU waits for the GPU during a step | a body with `ContinuousCollision`, which the CPU stops | remove it when the body is slow, or accept it |
 //! | the log says that bodies overlap too many others | thousands of bodies in one place | spawn them apart |
 //! | `Collision::faces` is `None` | nobody asked for lists of faces | [`FaceLists(true)`](crate::plugin::settings::FaceLists) |
-//! | the first step takes seconds | kernels are compiled, or a table of faces is baked | `Readback::Latent`; bake ahead of time |
+//! | the first step takes seconds | kernels are compiled, or a face table is baked | `Readback::Latent`; bake ahead of time |
 //! | a debug build is slow | | `[profile.dev.package."*"] opt-level = 3` in your `Cargo.toml` |
 //!
 //! # The device fails

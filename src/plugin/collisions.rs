@@ -58,8 +58,8 @@ pub struct Collision<'a> {
     pub contained: bool,
     /// The contact, reduced to one point in the world. The normal points from the first collider to the second.
     pub contact: Contact,
-    /// Pairs of intersecting faces with their common segments in the world, if the step was asked for them by
-    /// [`FaceLists`](crate::plugin::settings::FaceLists); else `None`. Faces are indices into the input meshes; those of
+    /// Intersecting face pairs with their common segments in the world, if the step was asked for them by
+    /// [`FaceLists`](crate::plugin::settings::FaceLists); else `None`. Faces are indices into the source meshes; those of
     /// `collider1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
     pub faces: Option<&'a [FacePair]>,
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
@@ -262,7 +262,7 @@ pub struct StepReport {
     pub sleeping: usize,
     /// Number of pairs of triangles that were tested because their bounding boxes overlap.
     pub triangle_tests: u64,
-    /// Number of pairs of intersecting faces.
+    /// Number of intersecting face pairs.
     pub face_pairs: usize,
     /// Number of stages that ran on the thread pool. On the CPU a small stage runs on the thread of the schedule and
     /// wakes no other. 0 on a GPU.

@@ -15,7 +15,7 @@
 //! | order systems against the step | [`FaceoffStep`], [`FaceoffSystems`] |
 //! | decide which pairs collide, and change contacts | [`hooks`] |
 //! | pause, slow down, step by hand | [`clock`] |
-//! | ask what a ray hits | [`queries`] |
+//! | query what a ray hits | [`queries`] |
 //! | move a character that walks, climbs and rides | [`character`] |
 //! | get pointer events on colliders | `picking`, with the feature `bevy_picking` |
 //! | show motion that is smooth at any frame rate | `interpolation`, with the feature of that name |

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// How many pairs a step on the CPU holds at most. They bound its memory and its time where thousands of bodies are in
 /// one place, each of which touches all others.
 ///
-/// The default limits are far beyond what fits in physical space: two gigabytes of pairs of bodies, and one of pairs of faces.
+/// The default limits are far beyond what fits in physical space: two gigabytes of pairs of bodies, and one of face pairs.
 /// Where a step would exceed a limit, pairs are left out, so that it is **not exact**.
 /// [`StepReport::crowded_bodies`](crate::plugin::collisions::StepReport::crowded_bodies) counts the bodies that lose
 /// pairs, and an error names one of them.
@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 pub struct StepLimits {
     /// Pairs of bodies whose bounding spheres overlap. Each takes up to 250 bytes.
     pub body_pairs: usize,
-    /// Pairs of intersecting faces. Each takes 64 bytes. A single pair of bodies may have more.
+    /// Intersecting face pairs. Each takes 64 bytes. A single pair of bodies may have more.
     pub face_pairs: usize,
 }
 

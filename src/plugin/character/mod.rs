@@ -69,8 +69,8 @@ use std::f32::consts::FRAC_PI_4;
 ///   bodies, make the mesh wider than radius plus skin, or leave the layers of these bodies out of the filter.
 /// * [`GravityScale`](crate::plugin::components::GravityScale) works on it; 0 lets it fly.
 /// * Under a parent that moves it is moved by that too, so do not spawn it below a platform.
-/// * [`RigidBodyDisabled`](crate::plugin::components::RigidBodyDisabled) stops it. It stands still where questions cannot be
-///   answered ([`SpatialQuery::check`](crate::plugin::queries::SpatialQuery::check)), and if its numbers are not valid; then a
+/// * [`RigidBodyDisabled`](crate::plugin::components::RigidBodyDisabled) stops it. It stands still where queries find
+///   nothing ([`SpatialQuery::check`](crate::plugin::queries::SpatialQuery::check)), and if its numbers are not valid; then a
 ///   warning names it.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
@@ -192,7 +192,7 @@ impl Plugin for CharacterPlugin {
     }
 }
 
-/// Moves all characters. The system is made when there is the first of them: from then on the app asks questions.
+/// Moves all characters. The system is made when there is the first of them: from then on the app queries.
 fn run(world: &mut World) {
     if let Err(error) = world.run_system_cached(step::move_characters) {
         error!("{error}");

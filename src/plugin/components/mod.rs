@@ -33,8 +33,8 @@ pub struct MeshCollider(pub Handle<CollisionMesh>);
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct ColliderToCome;
 
-/// A half-space: the points `p` with `normal . p < distance` are solid, in the coordinates of its entity. Dynamic bodies
-/// collide with it.
+/// An infinite plane that is solid on one side, also called a half-space: the points `p` with `normal . p < distance` are solid,
+/// in the coordinates of its entity. Dynamic bodies collide with it.
 ///
 /// It follows the `Transform` of its entity and of those above it. A plane that is moved pushes bodies out of itself, but it
 /// has no velocity: it does not carry them along. A lift or a piston is a kinematic body with a mesh.
@@ -128,7 +128,7 @@ pub struct StableKey(pub u64);
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensor;
 
-/// Takes a collider or plane out of the world until it is removed: it touches nothing, has no mass, and no question finds it. So
+/// Takes a collider or plane out of the world until it is removed: it touches nothing, has no mass, and no query finds it. So
 /// does Bevy's `Disabled`.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]

@@ -43,7 +43,7 @@ pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Collid
     index.has_given_poses = false;
 }
 
-/// The same after a step, if any system asks.
+/// The same after a step, if any system queries.
 pub(crate) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Colliders) {
     if index.is_wanted {
         update_spatial_queries(index, colliders);
@@ -57,7 +57,7 @@ pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Res<StepReport>, col
     }
 }
 
-/// Makes questions see bodies at these poses, until the next call or, but for
+/// Makes queries see bodies at these poses, until the next call or, but for
 /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident), the next step. The poses of a
 /// [`Snapshot`](crate::plugin::snapshot::Snapshot) are `snapshot.bodies()`.
 pub fn update_spatial_queries_from<'a>(world: &mut World, bodies: impl IntoIterator<Item = (Entity, &'a Motion)>) {

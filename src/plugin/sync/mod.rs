@@ -78,7 +78,7 @@ pub(crate) struct Step {
     pub last_nested: NestedBodies,
     /// Kinematic bodies that move by their `Transform`.
     pub driven: DrivenBodies,
-    /// Scratch: half-spaces in their order.
+    /// Scratch: planes in their order.
     pub planes: Vec<planes::KeyedPlane>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
