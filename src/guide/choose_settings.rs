@@ -1,4 +1,4 @@
-//! Which settings suit which program.
+//! Which settings suit which program, a first program with a window, and what works with which response.
 //!
 //! The defaults suit a game with bodies that fall, slide, stack and roll, but for one: [`Backend::Auto`] takes the GPU if there is
 //! one. With a few to some hundred bodies [`Backend::Cpu`] is faster, so set it there. Change other settings if your program is
@@ -33,6 +33,124 @@
 //! #[derive(Resource)]
 //! struct Bullet(MeshCollider);
 //! ```
+//!
+//! # A game in a window
+//!
+//! A complete program: tori fall onto the ground. The dependencies of a game, in its `Cargo.toml`:
+//!
+//! ```toml
+//! [dependencies]
+//! bevy = "0.19.1"
+//! bevy_faceoff = { path = "../bevy_faceoff", features = ["bevy_mesh", "interpolation"] } # the path of your checkout
+//!
+//! # Steps are slow without optimisation, also while you develop.
+//! [profile.dev.package."*"]
+//! opt-level = 3
+//! ```
+//!
+//! With thousands of bodies add the feature `bevy_render` and leave out `backend: Backend::Cpu`: then the stages run on the GPU, on
+//! the device of Bevy's renderer.
+//!
+//! ```no_run
+//! # // Bevy's renderer and windows are part of this crate's feature `window`, but not of its other features.
+//! # #[cfg(not(feature = "window"))]
+//! # fn main() {}
+//! use bevy::prelude::*;
+//! use bevy_faceoff::prelude::*;
+//!
+//! # #[cfg(feature = "window")]
+//! fn main() {
+//!     let step = StepPlugin {
+//!         backend: Backend::Cpu,
+//!         ..default()
+//!     };
+//!     App::new()
+//!         .add_plugins(DefaultPlugins)
+//!         // Draws all bodies between two steps, so that motion is smooth at any frame rate.
+//!         .add_plugins(FaceoffPlugins { step }.set(InterpolationPlugin::interpolate_all()))
+//!         .add_systems(Startup, spawn)
+//!         .add_systems(FixedLast, report)
+//!         .run();
+//! }
+//!
+//! # #[cfg(feature = "window")]
+//! fn spawn(
+//!     mut commands: Commands,
+//!     mut meshes: ResMut<Assets<Mesh>>,
+//!     mut materials: ResMut<Assets<StandardMaterial>>,
+//! ) {
+//!     commands.spawn((
+//!         Camera3d::default(),
+//!         Transform::from_xyz(0.0, 5.0, 12.0).looking_at(Vec3::Y, Vec3::Y),
+//!     ));
+//!     commands.spawn((
+//!         DirectionalLight::default(),
+//!         Transform::from_xyz(4.0, 8.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+//!     ));
+//!     // The ground. Bodies collide with the plane, which has no end; the mesh is only drawn.
+//!     commands.spawn((
+//!         PlaneCollider::default(),
+//!         Mesh3d(meshes.add(Plane3d::default().mesh().size(20.0, 20.0))),
+//!         MeshMaterial3d(materials.add(Color::srgb(0.4, 0.5, 0.4))),
+//!     ));
+//!     let torus = meshes.add(Torus::default());
+//!     let red = materials.add(Color::srgb(0.8, 0.3, 0.2));
+//!     for i in 0..10 {
+//!         let i = i as f32;
+//!         commands.spawn((
+//!             RigidBody::Dynamic,
+//!             // The mesh that is drawn is also the one that collides. It is baked once for all ten.
+//!             Mesh3d(torus.clone()),
+//!             MeshColliderFrom(torus.clone()),
+//!             MeshMaterial3d(red.clone()),
+//!             Transform::from_xyz(0.2 * i, 2.0 + i, 0.0).with_rotation(Quat::from_rotation_x(i)),
+//!         ));
+//!     }
+//! }
+//!
+//! # #[cfg(feature = "window")]
+//! fn report(mut started: MessageReader<CollisionStart>) {
+//!     for CollisionStart { body1, body2, .. } in started.read() {
+//!         info!("{body1} touches {body2}");
+//!     }
+//! }
+//! ```
+//!
+//! # Where to put systems
+//!
+//! The step runs in `FixedPostUpdate`, in the system set [`FaceoffStep`], 64 times a second by default. A frame may have no step,
+//! one or several.
+//!
+//! | a system that | schedule |
+//! |---|---|
+//! | sets forces, velocities, [`Character::velocity`] or the `Transform` of a lift | `FixedUpdate`: the step that follows uses them |
+//! | reads [`Collisions`], [`CharacterGround`], hits of casters, or poses and velocities after each step | `FixedLast` |
+//! | reads messages such as [`CollisionStart`] | `FixedLast` for those of the step just done, `Update` for those of all steps of the frame |
+//! | runs immediately before or after the step | `FixedPostUpdate`, with `.before(FaceoffStep)` or `.after(FaceoffStep)` |
+//! | is a solver of your own, or uses results within the step | [`FaceoffStep`] as a schedule, in the set [`FaceoffSystems::Respond`] |
+//! | spawns bodies, moves a camera, shows figures | `Update`, or any other |
+//!
+//! Observers of [`CollisionStart`] and `CollisionEnd` run at the end of the step. With [`Readback::Latent`] all results come two
+//! steps later.
+//!
+//! # What works with which response
+//!
+//! | | [`Contacts`](crate::types::settings::Response::Contacts) | [`Impulse`](crate::types::settings::Response::Impulse) | [`None`](crate::types::settings::Response::None) |
+//! |---|---|---|---|
+//! | velocities, `Gravity`, `GravityScale` | yes | yes | yes |
+//! | `Collisions`, messages, events, `Sensor`, `CollisionLayers` | yes | yes | yes |
+//! | `SpatialQuery`, casters, `Character` | yes | yes | yes |
+//! | bodies stop at colliders and planes | yes | they bounce; only planes push overlapping bodies out | no |
+//! | bodies come to rest, and sleep | yes | no | no |
+//! | `Friction` | yes | no | no |
+//! | `Restitution` | yes, by its `CombineRule` | the mean of the two | no |
+//! | `Mass`, `Density`, `AngularInertia` | yes | yes | no |
+//! | `ExternalForces`, damping, speed limits, `LockedAxes` | yes | no | no |
+//! | `ContinuousCollision`, also for sensors | yes | no | no |
+//! | a kinematic body pushes | yes | by its velocity; a written `Transform` places it | no |
+//! | contact points: `Collision::points`, `Collisions::manifolds` | yes, with impulses | no | yes, with impulses of 0 |
+//! | `CollisionHooks::filter_pairs` | yes | yes | yes |
+//! | `CollisionHooks::modify_contacts` | yes | no | of the points that are reported |
 //!
 //! # Hundreds of bodies in piles
 //!
@@ -182,6 +300,12 @@
 //! | test fewer triangles and miss some collisions | [`Culling`](crate::types::settings::Culling) |
 //! | simulate less often | `Time::<Fixed>::from_hz(32.0)`; contacts then push less smoothly |
 //!
+//! [`FaceoffStep`]: crate::plugin::FaceoffStep
+//! [`FaceoffSystems::Respond`]: crate::plugin::FaceoffSystems::Respond
+//! [`Character::velocity`]: crate::plugin::character::Character::velocity
+//! [`CharacterGround`]: crate::plugin::character::CharacterGround
+//! [`Collisions`]: crate::plugin::collisions::Collisions
+//! [`CollisionStart`]: crate::plugin::events::CollisionStart
 //! [`Backend::Auto`]: crate::plugin::settings::Backend::Auto
 //! [`Backend::Cpu`]: crate::plugin::settings::Backend::Cpu
 //! [`Readback::Latent`]: crate::plugin::settings::Readback::Latent

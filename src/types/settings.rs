@@ -32,8 +32,8 @@ pub enum Response {
     /// It runs on the GPU too. The CPU stops bodies that have
     /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) during a step. With
     /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
-    /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) a step has one collision substep if no more
-    /// can be needed by the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.
+    /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) a step has only one collision substep if the
+    /// speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before do not need more.
     #[default]
     Contacts,
 }
