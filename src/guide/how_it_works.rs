@@ -280,5 +280,5 @@
 //!
 //! # Where it is in the sources
 //!
-//! `src/step/mod.rs` tells the step as one story, and `src/step/order.rs` is the same as a list. A stage is a folder:
+//! `src/step/mod.rs` describes the whole step, and `src/step/order.rs` is the same as a list. A stage is a folder:
 //! `mod.rs` says what it does, `cpu.rs` does it, `gpu.rs` names its kernels in `shaders`. CONTRIBUTING.md has the map.

@@ -1,7 +1,7 @@
 //! What to do about warnings, errors and surprises.
 //!
-//! Add Bevy's `LogPlugin` first. It is part of `DefaultPlugins`, but not of `MinimalPlugins`. The log tells about most of what
-//! follows.
+//! Add Bevy's `LogPlugin` first. It is part of `DefaultPlugins`, but not of `MinimalPlugins`. The log tells the cause of most
+//! surprises below.
 //!
 //! # A body is rejected
 //!
