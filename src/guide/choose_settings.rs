@@ -150,7 +150,7 @@
 //! | a kinematic body pushes | yes | by its velocity; a written `Transform` places it | no |
 //! | contact points: `Collision::points`, `Collisions::manifolds` | yes, with impulses | no | yes, with impulses of 0 |
 //! | `CollisionHooks::filter_pairs` | yes | yes | yes |
-//! | `CollisionHooks::modify_contacts` | yes | no | of the points that are reported |
+//! | `CollisionHooks::modify_contacts` | yes | no | yes, for the points that are reported |
 //!
 //! # Hundreds of bodies in piles
 //!

@@ -231,7 +231,7 @@ pub struct StepReport {
     pub step: u64,
     /// Number of bodies in the step.
     pub bodies: usize,
-    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, device time on a GPU. Zero on a GPU
+    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, the GPU's own time on a GPU. Zero on a GPU
     /// without timestamp queries.
     pub stages: [Duration; Stage::COUNT],
     /// Wall time of the whole step, including reading components and writing results.
