@@ -1,4 +1,4 @@
-//! A game that loads a mesh which was baked ahead of time, with its table of faces of collision.
+//! A game that loads a mesh which was baked ahead of time, with its face table.
 //!
 //! ```sh
 //! cargo run --release --features cli -- bake assets/knot.bake.ron -o assets/baked

@@ -14,13 +14,13 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy_faceoff::prelude::*;
 
-/// A heap needs many, because each step begins anew: a warm start, with the impulses of the last step, would need fewer.
+/// A pile needs many, because each step begins anew: a warm start, with the impulses of the last step, would need fewer.
 const ITERATIONS: usize = 60;
 const FRICTION: f32 = 0.6;
 const RESTITUTION: f32 = 0.5;
 /// Bodies that meet more slowly do not bounce, m/s.
 const BOUNCE: f32 = 0.6;
-/// How deep bodies may overlap, metres, so that contacts at rest persist, and which part of more is mended in a step.
+/// How deep bodies may overlap, metres, so that contacts at rest persist, and which part of more is removed in a step.
 const SLOP: (f32, f32) = (0.003, 0.2);
 const STEPS: u32 = 64 * 8;
 

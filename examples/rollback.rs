@@ -1,4 +1,4 @@
-//! Rollback: two players push their rings through a heap, and the inputs of the other one arrive 8 steps late.
+//! Rollback: two players push their rings through a pile, and the inputs of the other one arrive 8 steps late.
 //!
 //! * `cargo run --release --example rollback --features window` shows it in a window: WASD push the ring of this player;
 //! * `cargo run --release --example rollback -- --headless` compares it with a run without delay. It ends with an error if
@@ -28,7 +28,7 @@ const HALF: f32 = 2.4;
 
 fn main() -> AppExit {
     let step = StepPlugin {
-        // The bits of a graphics card are others.
+        // The bits of a GPU are others.
         backend: Backend::Cpu,
         ..default()
     };

@@ -1,8 +1,8 @@
 //! Recall and speed of the approximate culling modes: `cargo bench --bench recall [CASES]`.
 //!
 //! Recall is relative to the exact mode, on random touching pairs of equal meshes with diameters 0.25 to 2. *any* is
-//! the fraction of pairs for which at least one intersecting pair of faces is found. *share* is the fraction of all
-//! intersecting pairs of faces that is found. "eq. 4" looks up the table by the formula of Aly & Elawady 2010 as
+//! the fraction of pairs for which at least one intersecting face pair is found. *share* is the fraction of all
+//! intersecting face pairs that is found. "eq. 4" looks up the table by the formula of Aly & Elawady 2010 as
 //! printed, which takes angles between 0 and 180 degrees in two planes. It exists only here, to show its effect.
 
 mod cases;

@@ -17,7 +17,7 @@ const AROUND: usize = 10;
 pub struct Found {
     /// Pairs of bodies of which it found anything.
     pub any: usize,
-    /// Intersecting pairs of faces.
+    /// Intersecting face pairs.
     pub faces: usize,
 }
 
@@ -26,7 +26,7 @@ pub struct Found {
 pub struct Tally {
     /// Touching pairs of bodies.
     pub pairs: usize,
-    /// Intersecting pairs of faces.
+    /// Intersecting face pairs.
     pub faces: usize,
     /// For faces of collision, front-facing, and eq. 4.
     pub found: [Found; 3],

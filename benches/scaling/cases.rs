@@ -22,7 +22,7 @@ pub struct Scene {
     pub triangles: String,
 }
 
-/// The number of intersecting pairs of faces for each touching pair of bodies, within 5 %.
+/// The number of intersecting face pairs for each touching pair of bodies, within 5 %.
 const FACE_PAIRS: usize = 100;
 
 /// All cases.

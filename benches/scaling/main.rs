@@ -2,7 +2,7 @@
 //! `cargo bench --bench scaling [POSES] [CASES]`. `CASES` selects the cases whose names begin with one of these words.
 //!
 //! Each mesh comes in three resolutions, with a factor of 16 in the number of triangles between them. Pairs of equal
-//! meshes in random rotations are moved together until about the same number of pairs of faces intersect at each
+//! meshes in random rotations are moved together until about the same number of face pairs intersect at each
 //! resolution. So the meshes grow, but not the contacts.
 
 mod cases;

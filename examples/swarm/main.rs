@@ -16,7 +16,7 @@ mod draw;
 use bevy::prelude::*;
 use bevy_faceoff::prelude::*;
 
-/// How many tori, unless `--bodies` says otherwise: on a card, and where the driver computes on the CPU.
+/// How many tori, unless `--bodies` says otherwise: on a GPU, and where the driver computes on the CPU.
 const TORI: (usize, usize) = (100_000, 300);
 /// The box is as full as the largest scene of the paper: so many tori, in a box of half this side in metres.
 const PAPER: (f32, f32) = (2200.0, 11.25);

@@ -287,7 +287,7 @@ fn merge_groups(bodies: &Bodies, planes: &[Plane], motions: &mut [Motion], group
     }
 }
 
-/// Changes `travel` so that it moves body `i` no deeper into half-spaces than its `own` motion does, which contacts
+/// Changes `travel` so that it moves body `i` no deeper into planes than its `own` motion does, which contacts
 /// have already limited.
 fn limit_penetration(bodies: &Bodies, planes: &[Plane], i: usize, own: &Sweep, mut travel: DVec3) -> DVec3 {
     for plane in planes {

@@ -136,7 +136,7 @@ pub(super) fn pair_impulses(bodies: &Bodies, config: &StepConfig, counts: &[u32]
     ]
 }
 
-/// The change of velocity of a body that penetrates a half-space.
+/// The change of velocity of a body that penetrates a plane.
 pub(super) fn plane_impulse(
     bodies: &Bodies,
     config: &StepConfig,

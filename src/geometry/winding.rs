@@ -103,7 +103,7 @@ impl Winding {
         (sum + 2.0 * near.angle()) / (4.0 * PI)
     }
 
-    /// The number of triangles and nodes that all questions so far have looked at: a measure of time, about 20 ns each.
+    /// The number of triangles and nodes that all queries so far have looked at: a measure of time, about 20 ns each.
     pub fn work(&self) -> u64 {
         self.work.get()
     }

@@ -15,13 +15,13 @@ pub struct Capacity {
     pub compounds: u32,
     /// Their colliders.
     pub parts: u32,
-    /// Half-spaces.
+    /// Planes.
     pub planes: u32,
     /// Pairs of bodies whose spheres overlap.
     pub pairs: u32,
     /// Pairs of intersecting triangles.
     pub hits: u32,
-    /// Contacts with half-spaces.
+    /// Contacts with planes.
     pub plane_contacts: u32,
     /// Pieces of pairs of large meshes.
     pub pieces: u32,
@@ -60,7 +60,7 @@ impl Capacity {
             bodies: grow(self.bodies, needed.bodies),
             compounds: grow(self.compounds, needed.compounds),
             parts: grow(self.parts, needed.parts),
-            // Without some to spare: other lists have an element for each body and half-space.
+            // Without some to spare: other lists have an element for each body and plane.
             planes: self.planes.max(needed.planes),
             pairs: grow(self.pairs, needed.pairs),
             hits: grow(self.hits, needed.hits),

@@ -54,10 +54,10 @@ impl Gpu {
 /// Why the stages cannot run on a GPU.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum NoGpu {
-    /// No driver, no loader, or no card.
+    /// No driver, no loader, or no GPU.
     #[error("no GPU adapter is found: install a Vulkan, Metal or DirectX 12 driver, or use Backend::Cpu")]
     NoAdapter,
-    /// The machine has no graphics card, so adapters are not enumerated.
+    /// The machine has no GPU, so adapters are not enumerated.
     #[error(
         "there is no graphics card: nothing in /dev through which a driver would reach one. Backend::Gpu looks for adapters all the same"
     )]
@@ -161,7 +161,7 @@ fn first_that_opens<A, D>(adapters: &[A], mut open: impl FnMut(&A) -> Result<D, 
     Err(first.unwrap_or(NoGpu::NoAdapter))
 }
 
-/// Whether there may be a graphics card. Without one, creating an instance would load software drivers only for us to
+/// Whether there may be a GPU. Without one, creating an instance would load software drivers only for us to
 /// refuse them, which takes a while. A layer of Mesa's, which looks for a Wayland display, would also print an error if
 /// `XDG_RUNTIME_DIR` is missing, as on servers and in containers.
 fn may_have_card() -> bool {

@@ -101,7 +101,7 @@ layout! {
         rotation: [f32; 4],
         offset: Vec3, padding: u32,
     }
-    /// A half-space.
+    /// A plane.
     Plane {
         normal: Vec3, distance: f32,
         restitution: f32, memberships: u32, filters: u32, sensor: u32,
@@ -172,7 +172,7 @@ layout! {
         start_x: f32, start_y: f32, start_z: f32,
         end_x: f32, end_y: f32, end_z: f32,
     }
-    /// A body that penetrates a half-space.
+    /// A body that penetrates a plane.
     PlaneContact {
         anchor: Vec3, depth: f32,
         point: Vec3, body: u32,
@@ -313,11 +313,11 @@ constants! {
     u32 CARRIED_ANGULAR = 2048;
 
     // `NearPair::near`.
-    /// A support plane separates the bodies by more than the margin.
+    /// A support axis separates the bodies by more than the margin.
     u32 FAR = 0;
-    /// A support plane separates them by less than the margin.
+    /// A support axis separates them by less than the margin.
     u32 NEAR = 1;
-    /// No separating support plane was found.
+    /// No separating support axis was found.
     u32 OVERLAPPING = 2;
 
     // Bits of `Mesh::flags`.

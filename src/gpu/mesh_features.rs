@@ -11,7 +11,7 @@ use glam::Vec3;
 pub const HEADER: usize = 8;
 
 /// Number of words per triangle: vertices; edges; the triangles across the edges that it owns; normal; what it owns, whether it
-/// is one-sided, and the largest normal rotation at its edges; radius of curvature; number in the input mesh; lower bound of the
+/// is one-sided, and the largest normal rotation at its edges; radius of curvature; number in the source mesh; lower bound of the
 /// curvature.
 pub const RECORD: usize = 16;
 

@@ -72,7 +72,7 @@ pub struct Population {
     pub bodies: u32,
     /// Number of compounds.
     pub compounds: u32,
-    /// Number of half-spaces.
+    /// Number of planes.
     pub planes: u32,
     /// Whether some mesh is so large that its pairs may be split.
     pub large_meshes: bool,
@@ -129,7 +129,7 @@ impl Call {
         self
     }
 
-    /// Leaves it out of steps without half-spaces.
+    /// Leaves it out of steps without planes.
     pub fn for_planes(&mut self) -> &mut Self {
         self.steps = Steps::WithPlanes;
         self

@@ -1,12 +1,12 @@
-//! Which settings suit which program.
+//! Which settings suit which program, a first program with a window, and what works with which response.
 //!
-//! The defaults suit a game with a few to some hundred bodies that fall, slide, stack and roll; with so few
-//! [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu) is faster than a GPU. Change a setting if your program is one of
-//! these.
+//! The defaults suit a game with bodies that fall, slide, stack and roll, but for one: [`Backend::Auto`] takes the GPU if there is
+//! one. With a few to some hundred bodies [`Backend::Cpu`] is faster, so set it there. Change other settings if your program is
+//! one of these.
 //!
 //! # A few bodies that matter
 //!
-//! A marble run, a vehicle made of parts, a puzzle of interlocking pieces. Keep the defaults, and draw between steps:
+//! A marble run, a vehicle made of parts, a puzzle of interlocking pieces. Run the stages on the CPU, and draw between steps:
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -14,9 +14,10 @@
 //!
 //! # let mut app = App::new();
 //! # app.add_plugins((MinimalPlugins, AssetPlugin::default()));
-//! app.add_plugins(FaceoffPlugins::default());
+//! let step = StepPlugin { backend: Backend::Cpu, ..default() };
+//! app.add_plugins(FaceoffPlugins { step });
 //! // With the feature `interpolation`:
-//! // app.add_plugins(FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all()));
+//! // app.add_plugins(FaceoffPlugins { step }.set(InterpolationPlugin::interpolate_all()));
 //!
 //! fn shoot(mut commands: Commands, bullet: Res<Bullet>) {
 //!     commands.spawn((
@@ -32,6 +33,124 @@
 //! #[derive(Resource)]
 //! struct Bullet(MeshCollider);
 //! ```
+//!
+//! # A game in a window
+//!
+//! A complete program: tori fall onto the ground. The dependencies of a game, in its `Cargo.toml`:
+//!
+//! ```toml
+//! [dependencies]
+//! bevy = "0.19.1"
+//! bevy_faceoff = { path = "../bevy_faceoff", features = ["bevy_mesh", "interpolation"] } # the path of your checkout
+//!
+//! # Steps are slow without optimisation, also while you develop.
+//! [profile.dev.package."*"]
+//! opt-level = 3
+//! ```
+//!
+//! With thousands of bodies add the feature `bevy_render` and leave out `backend: Backend::Cpu`: then the stages run on the GPU, on
+//! the device of Bevy's renderer.
+//!
+//! ```no_run
+//! # // Bevy's renderer and windows are part of this crate's feature `window`, but not of its other features.
+//! # #[cfg(not(feature = "window"))]
+//! # fn main() {}
+//! use bevy::prelude::*;
+//! use bevy_faceoff::prelude::*;
+//!
+//! # #[cfg(feature = "window")]
+//! fn main() {
+//!     let step = StepPlugin {
+//!         backend: Backend::Cpu,
+//!         ..default()
+//!     };
+//!     App::new()
+//!         .add_plugins(DefaultPlugins)
+//!         // Draws all bodies between two steps, so that motion is smooth at any frame rate.
+//!         .add_plugins(FaceoffPlugins { step }.set(InterpolationPlugin::interpolate_all()))
+//!         .add_systems(Startup, spawn)
+//!         .add_systems(FixedLast, report)
+//!         .run();
+//! }
+//!
+//! # #[cfg(feature = "window")]
+//! fn spawn(
+//!     mut commands: Commands,
+//!     mut meshes: ResMut<Assets<Mesh>>,
+//!     mut materials: ResMut<Assets<StandardMaterial>>,
+//! ) {
+//!     commands.spawn((
+//!         Camera3d::default(),
+//!         Transform::from_xyz(0.0, 5.0, 12.0).looking_at(Vec3::Y, Vec3::Y),
+//!     ));
+//!     commands.spawn((
+//!         DirectionalLight::default(),
+//!         Transform::from_xyz(4.0, 8.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+//!     ));
+//!     // The ground. Bodies collide with the plane, which has no end; the mesh is only drawn.
+//!     commands.spawn((
+//!         PlaneCollider::default(),
+//!         Mesh3d(meshes.add(Plane3d::default().mesh().size(20.0, 20.0))),
+//!         MeshMaterial3d(materials.add(Color::srgb(0.4, 0.5, 0.4))),
+//!     ));
+//!     let torus = meshes.add(Torus::default());
+//!     let red = materials.add(Color::srgb(0.8, 0.3, 0.2));
+//!     for i in 0..10 {
+//!         let i = i as f32;
+//!         commands.spawn((
+//!             RigidBody::Dynamic,
+//!             // The mesh that is drawn is also the one that collides. It is baked once for all ten.
+//!             Mesh3d(torus.clone()),
+//!             MeshColliderFrom(torus.clone()),
+//!             MeshMaterial3d(red.clone()),
+//!             Transform::from_xyz(0.2 * i, 2.0 + i, 0.0).with_rotation(Quat::from_rotation_x(i)),
+//!         ));
+//!     }
+//! }
+//!
+//! # #[cfg(feature = "window")]
+//! fn report(mut started: MessageReader<CollisionStart>) {
+//!     for CollisionStart { body1, body2, .. } in started.read() {
+//!         info!("{body1} touches {body2}");
+//!     }
+//! }
+//! ```
+//!
+//! # Where to put systems
+//!
+//! The step runs in `FixedPostUpdate`, in the system set [`FaceoffStep`], 64 times a second by default. A frame may have no step,
+//! one or several.
+//!
+//! | a system that | schedule |
+//! |---|---|
+//! | sets forces, velocities, [`Character::velocity`] or the `Transform` of a lift | `FixedUpdate`: the step that follows uses them |
+//! | reads [`Collisions`], [`CharacterGround`], hits of casters, or poses and velocities after each step | `FixedLast` |
+//! | reads messages such as [`CollisionStart`] | `FixedLast` for those of the step just done, `Update` for those of all steps of the frame |
+//! | runs immediately before or after the step | `FixedPostUpdate`, with `.before(FaceoffStep)` or `.after(FaceoffStep)` |
+//! | is a solver of your own, or uses results within the step | [`FaceoffStep`] as a schedule, in the set [`FaceoffSystems::Respond`] |
+//! | spawns bodies, moves a camera, shows figures | `Update`, or any other |
+//!
+//! Observers of [`CollisionStart`] and `CollisionEnd` run at the end of the step. With [`Readback::Latent`] all results come two
+//! steps later.
+//!
+//! # What works with which response
+//!
+//! | | [`Contacts`](crate::types::settings::Response::Contacts) | [`Impulse`](crate::types::settings::Response::Impulse) | [`None`](crate::types::settings::Response::None) |
+//! |---|---|---|---|
+//! | velocities, `Gravity`, `GravityScale` | yes | yes | yes |
+//! | `Collisions`, messages, events, `Sensor`, `CollisionLayers` | yes | yes | yes |
+//! | `SpatialQuery`, casters, `Character` | yes | yes | yes |
+//! | bodies stop at colliders and planes | yes | they bounce; only planes push overlapping bodies out | no |
+//! | bodies come to rest, and sleep | yes | no | no |
+//! | `Friction` | yes | no | no |
+//! | `Restitution` | yes, by its `CombineRule` | the mean of the two | no |
+//! | `Mass`, `Density`, `AngularInertia` | yes | yes | no |
+//! | `ExternalForces`, damping, speed limits, `LockedAxes` | yes | no | no |
+//! | `ContinuousCollision`, also for sensors | yes | no | no |
+//! | a kinematic body pushes | yes | by its velocity; a written `Transform` places it | no |
+//! | contact points: `Collision::points`, `Collisions::manifolds` | yes, with impulses | no | yes, with impulses of 0 |
+//! | `CollisionHooks::filter_pairs` | yes | yes | yes |
+//! | `CollisionHooks::modify_contacts` | yes | no | yes, for the points that are reported |
 //!
 //! # Hundreds of bodies in piles
 //!
@@ -58,16 +177,16 @@
 //!     .insert_resource(Gravity(Vec3::ZERO));
 //! ```
 //!
-//! On a graphics card choose [`Readback::Resident`](crate::plugin::settings::Readback) if nothing but drawing needs the
+//! On a GPU choose [`Readback::Resident`](crate::plugin::settings::Readback) if nothing but drawing needs the
 //! poses, and draw from `plugin::poses`: the example `swarm` does. Then nothing but counts is read back. With the other
 //! two leave [`FaceLists`](crate::plugin::settings::FaceLists) off unless something looks at faces.
 //!
-//! With contacts a card pays from thousands of touching pairs on. With a few hundred bodies or fewer choose
-//! [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu): a step on a card waits for a hundred short dispatches and more.
+//! With contacts a GPU pays from thousands of touching pairs on. With a few hundred bodies or fewer choose
+//! [`Backend::Cpu`]: a step on a GPU waits for a hundred short dispatches and more.
 //!
 //! # Servers, and games that must repeat
 //!
-//! No window, no graphics card, the same result whenever the same thing happens:
+//! No window, no GPU, the same result whenever the same thing happens:
 //!
 //! ```
 //! use bevy::log::LogPlugin;
@@ -98,7 +217,7 @@
 //!
 //! **On one machine** two runs are equal if all of this is the same:
 //!
-//! * The executable, and [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu). Results of a GPU are not those of the CPU.
+//! * The executable, and [`Backend::Cpu`]. Results of a GPU are not those of the CPU.
 //! * The order of bodies. Give every collider and plane a [`StableKey`]: then entities do not matter, nor in which order bodies
 //!   are spawned. Without keys the entities must be the same.
 //! * Meshes, components, settings, and what systems write, before the same step.
@@ -112,20 +231,22 @@
 //! * The same target, for example `x86_64-unknown-linux-gnu`, and the same compiler with the same options. `-C target-cpu` and
 //!   `-C target-feature` change how vectors are computed, and so does another architecture.
 //! * The same library of mathematical functions. A step calls `exp` (damping, choice of contact points) and, for rotations,
-//!   `sin`, `cos` and the arc functions of Rust's standard library, which takes them from the operating system: on Linux
-//!   from glibc, whose versions may differ in the last bit. A program that is linked statically, for example with
-//!   `x86_64-unknown-linux-musl`, brings its own. All else are basic operations and square roots, which IEEE 754 defines to the bit.
+//!   `sin`, `cos` and the arc functions of Rust's standard library. The library takes them from the operating system. On Linux
+//!   that is glibc, and the results of its versions may differ in the last bit. A statically linked program, for example for
+//!   `x86_64-unknown-linux-musl`, contains these functions. The rest of a step uses basic operations and square roots, which IEEE
+//!   754 defines to the bit.
 //! * The same meshes, to the bit. Bake them once and ship the `.faceoff` files: a bake calls such functions more often.
 //!
 //! The tests run on one machine at a time, so equality between machines follows from these reasons and is not tested. Compare
 //! a hash of the poses now and then, and send a [`Snapshot`] when they differ.
 //!
-//! **On a GPU** the same device, driver and build repeat themselves with [`Readback::Lockstep`]. Another device or driver gives
-//! other bits. With [`Readback::Latent`] and [`Readback::Resident`] a step has one collision substep if no more can be needed by
-//! the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before, so that impacts since then may lead to other bits.
+//! **On a GPU** two runs with [`Readback::Lockstep`] give the same bits if the GPU, the driver and the build are the same. Another
+//! GPU or driver gives other bits. With [`Readback::Latent`] and [`Readback::Resident`] the bits may differ from those of
+//! `Lockstep` after an impact: a step has only one collision substep if the speeds of
+//! [`LATENCY`](crate::plugin::settings::LATENCY) steps before do not need more.
 //!
-//! What a [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds is equal too, but for ties: which of two hits at exactly the
-//! same distance comes first depends on how bodies were spawned.
+//! A [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds the same, except where two hits have exactly the same distance:
+//! which of them comes first depends on how bodies were spawned.
 //!
 //! # In a browser
 //!
@@ -179,6 +300,14 @@
 //! | test fewer triangles and miss some collisions | [`Culling`](crate::types::settings::Culling) |
 //! | simulate less often | `Time::<Fixed>::from_hz(32.0)`; contacts then push less smoothly |
 //!
+//! [`FaceoffStep`]: crate::plugin::FaceoffStep
+//! [`FaceoffSystems::Respond`]: crate::plugin::FaceoffSystems::Respond
+//! [`Character::velocity`]: crate::plugin::character::Character::velocity
+//! [`CharacterGround`]: crate::plugin::character::CharacterGround
+//! [`Collisions`]: crate::plugin::collisions::Collisions
+//! [`CollisionStart`]: crate::plugin::events::CollisionStart
+//! [`Backend::Auto`]: crate::plugin::settings::Backend::Auto
+//! [`Backend::Cpu`]: crate::plugin::settings::Backend::Cpu
 //! [`Readback::Latent`]: crate::plugin::settings::Readback::Latent
 //! [`Readback::Lockstep`]: crate::plugin::settings::Readback::Lockstep
 //! [`Readback::Resident`]: crate::plugin::settings::Readback::Resident

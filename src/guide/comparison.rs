@@ -4,21 +4,21 @@
 //! dimensions, or an engine that many games have used for years. They are ahead in all of these; Avian has double
 //! precision too. Take this plugin where concave meshes move and meet each other, and where it matters which faces touch.
 //!
-//! Read in the sources of avian3d 0.7.0 with parry3d 0.27.0, and of bevy_rapier3d 0.36.0, which uses rapier3d
-//! 0.35.0-glamx0.2 and parry3d 0.30.2-glamx0.2-b. Links lead to the place in their sources; "no" means that sources and
-//! documentation have nothing of the kind. The last column names what shows the row in this repository: a file of `tests`
-//! without its ending, or a program, as `--example chain`; its command is in the README.
-//! [`from_avian`](super::from_avian) and [`from_bevy_rapier`](super::from_bevy_rapier) have the names of things.
+//! What the tables say about the other two was read in the sources of avian3d 0.7.0 with parry3d 0.27.0, and of
+//! bevy_rapier3d 0.36.0, which uses rapier3d 0.35.0-glamx0.2 and parry3d 0.30.2-glamx0.2-b. Links lead to the place in
+//! these sources. "no" means that neither sources nor documentation have it. The last column names what shows the row in
+//! this repository: a file of `tests` without its ending, or a program, as `--example chain`; its command is in the
+//! README. [`from_avian`](super::from_avian) and [`from_bevy_rapier`](super::from_bevy_rapier) have the names of things.
 //!
 //! # Shapes and contacts
 //!
 //! | | here | Avian | bevy_rapier | shown by |
 //! |---|---|---|---|---|
 //! | a moving concave mesh against another | contact points of the pair as a whole, at most 16 | a manifold for each pair of triangles: [parry][parry3d parry] | the same, joined into fewer before they are solved: [contact clustering][rapier3d contact_clustering] | `dynamics/chain`, `--example chain` |
-//! | every intersecting pair of faces, with segments | yes, tested against an oracle | no: contacts have ids of features, [contact types][avian3d contact_types] | no: the two triangles of each manifold, [narrow phase][bevy_rapier3d narrow_phase] | `triangle_test/exact` |
+//! | every intersecting face pair, with segments | yes, tested against an oracle | no: contacts have ids of features, [contact types][avian3d contact_types] | no: the two triangles of each manifold, [narrow phase][bevy_rapier3d narrow_phase] | `triangle_test/exact` |
 //! | a body wholly inside a closed mesh touches it | yes, and is pushed out | no: triangles are surfaces | no: the same | `plugin/reports`, `gpu/manifolds/inside` |
 //! | rooms: closed meshes that look inward | yes | surfaces are rooms anyway | the same | `plugin/bakes` |
-//! | balls, boxes, capsules, convex hulls, height fields, voxels as exact shapes | **no**: meshes and half-spaces | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `dynamics/planes` |
+//! | balls, boxes, capsules, convex hulls, height fields, voxels as exact shapes | **no**: meshes and planes | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `dynamics/planes` |
 //! | fine meshes roll as the smooth surface | yes | not needed: exact shapes | not needed: exact shapes | `dynamics/incline`, `small_games/balls` |
 //! | convex decomposition | not needed | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `dynamics/meshes` |
 //! | shapes of your own | **no** | yes: `AnyCollider`, [collider][avian3d collider] | yes: any `Shape` of parry in `Collider::raw` | |
@@ -38,7 +38,7 @@
 //! | forces, damping, locked axes, speed limits | yes | yes | yes, without limits of speed | `plugin/contacts` |
 //! | dominance | **no** | yes: [rigid body][avian3d rigid_body] | yes: [rigid body][bevy_rapier3d rigid_body] | |
 //! | friction and restitution by formula | yes | yes | yes | `solver/friction`, `dynamics/bounce`, `dynamics/spin` |
-//! | heavy on light, towers of small cubes | yes: solved until converged | a fixed number of substeps: `SubstepCount` | a fixed number of iterations, more for chosen bodies | `small_games/heavy_on_light`, `small_games/dice_tower` |
+//! | heavy on light, towers of small cubes | yes: solved until converged, at most `SolverSettings::max_iterations` passes, and fewer for large islands | a fixed number of substeps: `SubstepCount` | a fixed number of iterations, more for chosen bodies | `small_games/heavy_on_light`, `small_games/dice_tower` |
 //! | a kinematic body moved by its `Transform` pushes and carries | yes | no: it pushes by its velocity components | yes: `KinematicPositionBased` | `plugin/driven`, `--example door` |
 //! | continuous collision detection | yes, by triangles, on the CPU also in steps on a GPU; sensors too | speculative contacts for all, `SweptCcd` for some: [ccd][avian3d ccd] | `Ccd` and `SoftCcd`: [rigid body][bevy_rapier3d rigid_body] | `dynamics/bullets`, `ccd/bullets`, `gpu/apps/fast_bodies` |
 //! | sleep | by island | by island: [sleeping][avian3d sleeping] | by island: [island manager][rapier3d island_manager] | `sleep/islands` |
@@ -46,7 +46,7 @@
 //! | vehicles | **no** | no | in rapier, without a component: [ray cast vehicle controller][rapier3d ray_cast_vehicle_controller] | |
 //! | a solver of your own | contact points without response | a plugin can be replaced: [plugin][avian3d plugin] | no | `plugin/contacts`, `--example custom_response` |
 //!
-//! # Questions to the world
+//! # Spatial queries
 //!
 //! | | here | Avian | bevy_rapier | shown by |
 //! |---|---|---|---|---|
@@ -84,7 +84,7 @@
 //!
 //! | | here | Avian | bevy_rapier | shown by |
 //! |---|---|---|---|---|
-//! | on a GPU | all stages; tested on a software driver and on one card, an NVIDIA H200 | no | no | `gpu/parity/steps`, `bevy_render` |
+//! | on a GPU | all stages; tested on a software driver and on one GPU, an NVIDIA H200 | no | no | `gpu/parity/steps`, `bevy_render` |
 //! | on all cores | yes | in part: feature `parallel` | yes: feature `parallel` | `plugin/clock` |
 //! | without a window or a GPU | yes | yes | yes | `--example headless` |
 //! | in a browser | built for it, and run in Node.js on one thread; not tried in a browser | written for it: [optimization][avian3d optimization] | rapier is for it too: the category `wasm` in [Cargo.toml][rapier3d Cargo.toml] | `.ci/web` |

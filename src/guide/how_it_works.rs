@@ -88,31 +88,31 @@
 //! # The step
 //!
 //! [`FaceoffStep`](crate::plugin::FaceoffStep) runs in `FixedPostUpdate`. It reads components into plain arrays, runs the
-//! stages, and writes the results back. With [`Response::Contacts`](crate::types::settings::Response) it is divided
-//! into 1 to 8 *collision substeps*: as many as it takes that no two surfaces move by more than a quarter of the thinnest
-//! body between two searches for contacts, as far as 8 suffice. Only relative motion counts, and only that of bodies that
-//! can meet in the step. Each group of such bodies has its own number; a body that has completed its step waits for the
-//! others, with its contact points. On the CPU pairs that overlap deeply keep their contact points until they have moved
-//! twice as far.
+//! stages, and writes the results back. With [`Response::Contacts`](crate::types::settings::Response) it is divided into 1
+//! to 8 *collision substeps*, and contact points are searched for in each of them. There are as many as it takes that within
+//! one of them no two surfaces move relative to each other by more than a quarter of the thickness of the thinnest body, but
+//! never more than 8. Only bodies that can meet in the step count. Each group of such bodies has its own number of collision
+//! substeps. A body that has completed its step waits for the others and keeps its contact points. On the CPU pairs that
+//! overlap deeply keep their contact points until they have moved twice as far.
 //!
 //! ## BroadPhase: a grid
 //!
-//! Which bounding spheres overlap? A hashed grid answers, with a level of cells for each factor of four in the radii (of
-//! two on a GPU). A body looks in its own level and the coarser ones, so one huge body does not make the cells of all
-//! others large. Static bodies have a grid of their own on the CPU, which is sorted again only when one of them changes. There
-//! a step of several collision substeps searches once, with spheres that hold the ways of the whole step, and again only if a
-//! body leaves its own.
+//! Which bounding spheres overlap? A hashed grid answers, with a level of cells for each factor of four in the radii (of two
+//! on a GPU). A body looks in its own level and the coarser ones, so one huge body does not make the cells of all others
+//! large. Static bodies have a grid of their own on the CPU, which is sorted again only when one of them changes. If a step
+//! has several collision substeps, the CPU searches once, with spheres that are large enough for the motion of the whole
+//! step. It searches again only if a body leaves its sphere.
 //!
 //! For contacts, spheres are enlarged so that two of them overlap if the surfaces are within the *speculative margin*: one
-//! percent of the smaller body's size, and one and a half times the way that the surfaces may go towards each other until
-//! the next search, but not more than twice the thickness of the thinner body.
+//! percent of the smaller body's size, plus a part for motion. That part is one and a half times the distance by which the
+//! surfaces may approach each other until the next search, but at most twice the thickness of the thinner body.
 //!
 //! ## Angles: support axes
 //!
-//! Most of these pairs do not touch. The first axis is the line between the centres, along which the paper looks its
-//! faces up. Up to seven more come from Gilbert's iteration on the support heights. If the heights of both bodies along any
-//! axis leave a gap, the pair is dropped. Nine of ten pairs of tori that do not touch are dropped here, and none that
-//! touches.
+//! Most of these pairs do not touch. A *support axis* is a direction along which the support heights of both bodies are
+//! compared: if they leave a gap, the pair is dropped. The first axis is the line between the centres, which the paper uses to
+//! look up faces. Up to seven more come from Gilbert's iteration on the support heights. Of the pairs of tori that do not touch
+//! nine of ten are dropped here. No pair that touches is dropped.
 //!
 //! With an approximate [`Culling`](crate::types::settings::Culling) the direction from centre to centre also selects the
 //! triangles of each body that take part in the next stage.
@@ -132,8 +132,9 @@
 //! has no fast double precision: there the rest counts as touching unless a separating plane is found.
 //!
 //! The result is what [`Collisions`](crate::plugin::collisions::Collisions) reports: pairs and, with
-//! [`FaceLists`](crate::plugin::settings::FaceLists), their intersecting faces and the segment in which each two cross. If no faces intersect, one body may still be inside the other: one vertex of each
-//! connected part of a mesh is tested against the closed mesh of the other body.
+//! [`FaceLists`](crate::plugin::settings::FaceLists), their intersecting faces and the segment in which each two cross. If no
+//! faces intersect, one body may still be inside the other: one vertex of each connected part of a mesh is tested against the
+//! closed mesh of the other body.
 //!
 //! ## Manifolds: contact points
 //!
@@ -145,14 +146,14 @@
 //!
 //! Where surfaces already cross, the segments are joined into closed *contours*. The area vector of a contour is the
 //! direction in which the overlapping volume changes fastest, so it is the normal of the patch that the contour bounds.
-//! Near a patch features count only if their normals agree with it. A patch without an overlapping feature, or one in whose
-//! middle the bodies overlap by more than features may, gets points from rays along its normal. A body that is wholly inside
-//! another is pushed out the shortest way.
+//! Near a patch a vertex or an edge counts only if its normal agrees with that of the patch. A patch gets points from rays along
+//! its normal instead if no vertex or edge overlaps there, or if the bodies overlap in its middle more deeply than vertices and
+//! edges are searched for. A body that is wholly inside another is pushed out the shortest way.
 //!
 #![doc = include_str!("pictures/manifold.svg")]
 //!
 //! At most 16 points of a pair are kept: the deepest, then repeatedly the one that is farthest from those kept, in
-//! place and normal. The two cubes in the middle of the picture have four:
+//! place and normal. A body on a plane has at most 8. The two cubes in the middle of the picture have four:
 //!
 //! ```
 //! use bevy_faceoff::asset::CollisionMesh;
@@ -217,18 +218,19 @@
 //! | work is shared out | over pairs, and over islands, on a thread pool; small stages on one thread; the solver computes eight pairs of an island in one vector | a workgroup for each pair; for each island one, which colours its pairs and solves those of a colour at once |
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
 //! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
-//! | results | the same bits for any number of threads | the same bits in each run on the same device |
-//! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, or some of these are among more than 65,000 bodies, all may have the largest number |
+//! | results | the same bits for any number of threads | the same bits in each run on the same GPU |
+//! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, or if their number times that of all bodies exceeds 4 million, all may have the largest number |
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
-//! A step on a GPU is one submission, for any number of collision substeps. The device counts those that the step needs, but
-//! their commands are recorded before: for a number that the last steps suggest. More than needed do nothing; with fewer,
-//! the step does nothing and is submitted again, as if a list were too short. With
-//! [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) the CPU takes part in each of them: when its
-//! contacts are solved, the CPU reads which bodies may meet the fast ones, stops these in double precision, and the GPU goes on. Bodies, the solver's memory and sleep states
-//! stay on the device. [`Readback`](crate::plugin::settings::Readback) tells when the results reach components. A step in
-//! which all bodies sleep, and whose input is that of the step before, is not submitted at all: its results are those of
-//! that step. A kinematic body never sleeps, so this needs a world without one.
+//! A step on a GPU is one submission, for any number of collision substeps. The GPU counts how many the step needs, but
+//! their commands are recorded before that, for a number that the last steps suggest. If it is too large, the last ones do
+//! nothing. If it is too small, the step does nothing and is submitted again, as if a list were too short. With
+//! [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) the CPU takes part in each collision substep:
+//! when the contacts are solved, it reads which bodies may meet the fast ones, and stops these in double precision. Then the
+//! GPU goes on. Bodies, the solver's memory and sleep states stay on the GPU.
+//! [`Readback`](crate::plugin::settings::Readback) tells when the results reach components. A step in which all bodies
+//! sleep, and whose input is that of the step before, is not submitted at all: its results are those of that step. A
+//! kinematic body never sleeps, so this needs a world without one.
 //!
 //! # A solver of your own
 //!
@@ -278,5 +280,5 @@
 //!
 //! # Where it is in the sources
 //!
-//! `src/step/mod.rs` tells the step as one story, and `src/step/order.rs` is the same as a list. A stage is a folder:
+//! `src/step/mod.rs` describes the whole step, and `src/step/order.rs` is the same as a list. A stage is a folder:
 //! `mod.rs` says what it does, `cpu.rs` does it, `gpu.rs` names its kernels in `shaders`. CONTRIBUTING.md has the map.

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | know what it does, in pictures | [`how_it_works`] |
 //! | decide between this, Avian and bevy_rapier | [`comparison`] |
-//! | set the plugin up for your kind of game, server or tool | [`choose_settings`] |
+//! | set the plugin up for your kind of game, server or tool; a first program with a window; where to put systems | [`choose_settings`] |
 //! | write bodies in `bsn!`, or save a world and load it again | [`scenes`] |
 //! | move a game from Avian | [`from_avian`] |
 //! | move a game from bevy_rapier | [`from_bevy_rapier`] |

@@ -98,15 +98,15 @@
 //! # assert_eq!(entities.len(), 1);
 //! ```
 //!
-//! * **Meshes** are saved by their path. A collider whose mesh was added with `Assets::add` loses it: Bevy warns when it saves
-//!   the scene, and the loaded body is rejected until it gets a mesh. Colliders that `MeshColliderFrom` and
-//!   `MeshColliderHierarchy` made are made again.
+//! * **Meshes** are saved by their path. A mesh that was added with `Assets::add` has no path and is not saved: Bevy warns when it
+//!   saves the scene, and the loaded body is rejected until its collider gets a mesh. Colliders that `MeshColliderFrom` and
+//!   `MeshColliderHierarchy` made are made again when the scene is loaded.
 //! * **Entities** in filters and of parents are those of the new world. Save what is named together with what names it.
 //! * **Lists that the step writes** (`CollidingEntities`, `RayHits`, `ShapeHits`) are saved empty. The first step fills them.
 //! * **Until meshes are loaded** their bodies do not move, but others do, and may fall through what is not there yet. Load the
 //!   meshes first, or pause [`Time<Physics>`](crate::plugin::clock).
 //! * **What the solver remembers** is not part of a scene: impulses from step to step, and how long bodies have been at rest.
-//!   A heap that lies still stays where it is, and two apps that load the same scene go on alike to the bit.
+//!   A pile that lies still stays where it is, and two apps that load the same scene go on alike to the bit.
 //! * **To go on exactly as before**, save a [`Snapshot`](crate::plugin::snapshot::Snapshot) beside the scene, and give each collider
 //!   and plane a [`StableKey`](crate::plugin::components::StableKey).
 //!

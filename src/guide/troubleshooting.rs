@@ -1,11 +1,12 @@
 //! What to do about warnings, errors and surprises.
 //!
-//! Add Bevy's `LogPlugin` first: it is part of `DefaultPlugins`, and not of `MinimalPlugins`. Most rows are told there.
+//! Add Bevy's `LogPlugin` first. It is part of `DefaultPlugins`, but not of `MinimalPlugins`. The log tells the cause of most
+//! surprises below.
 //!
 //! # A body is rejected
 //!
-//! A body that is left out is named once, in the log and by [`BodyRejected`](crate::plugin::events::BodyRejected). It takes
-//! part again when its components are valid.
+//! A body, collider or plane that is left out of the step is named once, in the log and by
+//! [`BodyRejected`](crate::plugin::events::BodyRejected). It takes part again when its components are valid.
 //!
 //! | [`BodyFault`](crate::state::BodyFault) | cause | what to do |
 //! |---|---|---|
@@ -19,8 +20,8 @@
 //! | `PlaneNormal`, `PlaneDistance` | a normal without direction, a distance that is no number | `PlaneCollider::through` |
 //! | `Sheared` | the mesh under an unequal scale becomes flat, or too large | scale the mesh instead |
 //! | `MeshMissing` | a handle that nothing loads, `Handle::default()` | keep the handle that `load` or `add` returned |
-//! | `MeshFailed` | the file cannot be read; an error of the asset server says why | mend the file |
-//! | `PlaneOnBody` | both a mesh and a plane | the plane on an entity of its own |
+//! | `MeshFailed` | the file cannot be read; an error of the asset server says why | fix the file |
+//! | `PlaneOnBody` | both a mesh and a plane: the body takes part, the plane is ignored | the plane on an entity of its own |
 //!
 //! # Nothing collides
 //!
@@ -56,10 +57,10 @@
 //! |---|---|---|
 //! | every step takes long though little touches | `StepReport::collision_substeps` is above 1: a thin or small body is fast among others | a thicker mesh, or a smaller `max_collision_substeps` |
 //! | the log says that steps run on the CPU | colliders or planes with `ActiveCollisionHooks`, which a GPU does not have | remove them, or accept it |
-//! | the log says that steps wait for the GPU in their midst | a body with `ContinuousCollision`, which the CPU stops | remove it when the body is slow, or accept it |
+//! | the log says that the CPU waits for the GPU during a step | a body with `ContinuousCollision`, which the CPU stops | remove it when the body is slow, or accept it |
 //! | the log says that bodies overlap too many others | thousands of bodies in one place | spawn them apart |
 //! | `Collision::faces` is `None` | nobody asked for lists of faces | [`FaceLists(true)`](crate::plugin::settings::FaceLists) |
-//! | the first step takes seconds | kernels are compiled, or a table of faces is baked | `Readback::Latent`; bake ahead of time |
+//! | the first step takes seconds | kernels are compiled, or a face table is baked | `Readback::Latent`; bake ahead of time |
 //! | a debug build is slow | | `[profile.dev.package."*"] opt-level = 3` in your `Cargo.toml` |
 //!
 //! # The device fails

@@ -5,7 +5,7 @@ use crate::state::{Contacts, Manifold, Manifolds};
 use glam::Vec3;
 
 /// Writes the contact points of all touching pairs for [`Response::None`]. `center_of` returns the centre of mass of a
-/// body at the time of detection.
+/// body at the time of the search for contacts.
 ///
 /// [`Response::None`]: crate::types::settings::Response::None
 pub(crate) fn report_points(

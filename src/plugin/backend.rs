@@ -124,7 +124,7 @@ pub(crate) struct Engine {
     failure: Option<String>,
     /// Whether steps run on the CPU although there is a device.
     on_cpu: bool,
-    /// Whether the CPU stops bodies in the midst of a step on a device.
+    /// Whether the CPU stops bodies during a step on a device.
     pub has_fast_bodies: bool,
 }
 

@@ -23,8 +23,8 @@
 //! With access to the `World`, for example in a test or for rollback, `world.run_schedule(FaceoffStep)` runs one step
 //! of the fixed timestep at once, whether a clock is paused or not.
 //!
-//! `Time<Fixed>` sets the length of a step; nothing here changes it. `Time<Virtual>` pauses or scales the whole game,
-//! including the steps.
+//! `Time<Fixed>` sets the length of a step. At a relative speed that is not an integer steps are shorter
+//! ([`PhysicsTime::set_relative_speed`]). `Time<Virtual>` pauses or scales the whole game, including the steps.
 
 use crate::plugin::schedule::FaceoffStep;
 use crate::plugin::sync::{Step, publish};

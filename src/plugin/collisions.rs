@@ -58,8 +58,8 @@ pub struct Collision<'a> {
     pub contained: bool,
     /// The contact, reduced to one point in the world. The normal points from the first collider to the second.
     pub contact: Contact,
-    /// Pairs of intersecting faces with their common segments in the world, if the step was asked for them by
-    /// [`FaceLists`](crate::plugin::settings::FaceLists); else `None`. Faces are indices into the input meshes; those of
+    /// Intersecting face pairs with their common segments in the world, if the step was asked for them by
+    /// [`FaceLists`](crate::plugin::settings::FaceLists); else `None`. Faces are indices into the source meshes; those of
     /// `collider1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
     pub faces: Option<&'a [FacePair]>,
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
@@ -175,9 +175,12 @@ impl Collisions {
         }
     }
 
-    /// The contact manifolds of all pairs whose surfaces came nearer than the contact margin
-    /// ([`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin)), whether
-    /// they touch or not.
+    /// The contact manifolds of all pairs whose surfaces came nearer than a margin, whether they touch or not. With
+    /// [`Response::None`](crate::types::settings::Response::None) the margin of two colliders is
+    /// [`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin). With
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) it is the speculative margin, which also grows with the
+    /// relative speed of the two. With both responses the margin of a collider and a plane is a hundredth of the collider's
+    /// diameter, and grows with its speed.
     ///
     /// In ascending order: first pairs of colliders, then colliders (first) with planes (second). Sensors have no manifolds,
     /// and [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
@@ -195,8 +198,8 @@ impl Collisions {
     /// * **The next step adds gravity** to the velocities, [`Gravity`](crate::plugin::settings::Gravity) times the length of the
     ///   step, before it moves the bodies. Solve for the velocities with gravity, and write them without.
     /// * **The length of a step** is the delta of the resource `Time`, which is the physics clock there.
-    /// * **The margin does not grow with speed.** Set `contact_margin` to the way that bodies may go in a step, as a part of
-    ///   their diameter, so that a contact is seen before they overlap.
+    /// * **The margin of two colliders does not grow with speed** with `Response::None`. Set `contact_margin` to the way that
+    ///   bodies may go in a step, as a part of their diameter, so that a contact is seen before they overlap.
     /// * **Mass and inertia** are yours. That of a mesh: [`CollisionMesh::mass`](crate::asset::BakedMesh::mass), about the
     ///   centre of mass, where anchors begin.
     /// * **The colliders' bodies** have the velocities. Where bodies have colliders on children, find them by `ChildOf`.
@@ -228,12 +231,12 @@ pub struct StepReport {
     pub step: u64,
     /// Number of bodies in the step.
     pub bodies: usize,
-    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, device time on a GPU. Zero on a GPU
+    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, the GPU's own time on a GPU. Zero on a GPU
     /// without timestamp queries.
     pub stages: [Duration; Stage::COUNT],
     /// Wall time of the whole step, including reading components and writing results.
     pub total: Duration,
-    /// Number of pairs of bodies whose bounding spheres, enlarged by the speculative margin, overlap.
+    /// Number of pairs of colliders whose bounding spheres, enlarged by the speculative margin, overlap. Planes do not count.
     pub sphere_pairs: usize,
     /// Number of pairs for which an approximate [`Culling`](crate::types::settings::Culling) left out triangles. If it
     /// is 0, the step was exact.
@@ -241,14 +244,15 @@ pub struct StepReport {
     /// Number of meshes tested exactly while their face table bakes; see
     /// [`FacesOfCollision`](crate::types::settings::Culling::FacesOfCollision).
     pub tables_in_bake: usize,
-    /// Number of touching pairs of bodies.
+    /// Number of touching pairs of colliders. Planes do not count; [`Collisions::len`] counts them too.
     ///
     /// With [`Readback::Resident`](crate::plugin::settings::Readback::Resident) and
     /// [`Response::Contacts`](crate::types::settings::Response::Contacts) those that push each other: nobody reads which
     /// faces intersect, so faces are not tested, and [`triangle_tests`](Self::triangle_tests) and
     /// [`face_pairs`](Self::face_pairs) are 0.
     pub touching_pairs: usize,
-    /// Number of contact points within the contact margin, between bodies and between bodies and planes.
+    /// Number of contact points within the margin of [`Collisions::manifolds`], between colliders and between colliders and
+    /// planes.
     pub contact_points: usize,
     /// Number of collision substeps, the largest of any body; see [`SolverSettings`](crate::types::solver_settings::SolverSettings).
     pub collision_substeps: u32,
@@ -258,7 +262,7 @@ pub struct StepReport {
     pub sleeping: usize,
     /// Number of pairs of triangles that were tested because their bounding boxes overlap.
     pub triangle_tests: u64,
-    /// Number of pairs of intersecting faces.
+    /// Number of intersecting face pairs.
     pub face_pairs: usize,
     /// Number of stages that ran on the thread pool. On the CPU a small stage runs on the thread of the schedule and
     /// wakes no other. 0 on a GPU.

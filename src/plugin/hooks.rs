@@ -12,13 +12,13 @@ use bevy::prelude::*;
 use std::any::type_name;
 use std::marker::PhantomData;
 
-/// Decisions about pairs of colliders, as a system parameter that reads the world. Add it to the app with a
+/// Decides about pairs of colliders. Implement it for a system parameter that reads the world, and add that to the app with a
 /// [`CollisionHooksPlugin`]. It is called for pairs with
-/// [`ActiveCollisionHooks`](crate::types::hooks::ActiveCollisionHooks), in the order of entities, in every collision
-/// substep.
+/// [`ActiveCollisionHooks`](crate::types::hooks::ActiveCollisionHooks), in every collision substep, in the order of
+/// [`StableKey`](crate::plugin::components::StableKey), then of entities.
 ///
-/// Of a pair of colliders the lower entity comes first. A plane comes second. Commands are applied after the step's
-/// stage.
+/// Of a pair of colliders the smaller one in this order comes first. A plane comes second. Commands are applied after the
+/// stage that calls the hook.
 ///
 /// * **Filter**: a pair that is left out is not tested, does not touch and is not reported. A sleeping body wakes when
 ///   the answer about a pair near it changes.

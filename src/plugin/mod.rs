@@ -8,18 +8,20 @@
 //! | spawn bodies | [`components`], and [`types`](crate::types) for the components that the core shares |
 //! | write bodies in `bsn!`, save a world and load it again | [`guide::scenes`](crate::guide::scenes) |
 //! | load meshes | [`assets`] |
+//! | make colliders from Bevy's meshes | `mesh_collider_from`, with the feature `bevy_mesh` |
 //! | give colliders to a glTF scene | `prefab`, with the feature `bevy_gltf` |
 //! | set gravity, backend and other global settings | [`settings`], and [`types::settings`](crate::types::settings) |
 //! | read results | [`collisions`], [`events`], [`diagnostics`] |
 //! | order systems against the step | [`FaceoffStep`], [`FaceoffSystems`] |
 //! | decide which pairs collide, and change contacts | [`hooks`] |
 //! | pause, slow down, step by hand | [`clock`] |
-//! | ask what a ray hits | [`queries`] |
+//! | query what a ray hits | [`queries`] |
 //! | move a character that walks, climbs and rides | [`character`] |
 //! | get pointer events on colliders | `picking`, with the feature `bevy_picking` |
 //! | show motion that is smooth at any frame rate | `interpolation`, with the feature of that name |
 //! | save and restore the state of the simulation | [`snapshot`] |
 //! | see where the step runs | [`backend`] |
+//! | draw from the GPU, without reading poses back | [`poses`], [`Poses`] |
 //! | see shapes, motion, contacts, islands and casts | `debug`, with the feature `debug_gizmos` |
 //! | see times, counts and rejected bodies on the screen | `panel`, with the feature `debug_panel` |
 

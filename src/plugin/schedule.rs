@@ -26,9 +26,13 @@ pub struct FaceoffStep;
 /// Systems between the stages run in the first collision substep. The stages of the others run in
 /// [`FaceoffSystems::Integrate`].
 ///
-/// On a GPU all stages are one submission, and a few with
-/// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). [`FaceoffSystems::BroadPhase`] submits it and
-/// waits for it, so systems between the stages see its results.
+/// On a GPU all stages are one submission, or a few with
+/// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). [`FaceoffSystems::BroadPhase`] submits them. With
+/// [`Readback::Lockstep`](super::settings::Readback::Lockstep) it also waits for their results. With
+/// [`Readback::Latent`](super::settings::Readback::Latent) it waits for the results of
+/// [`LATENCY`](super::settings::LATENCY) steps before, and with
+/// [`Readback::Resident`](super::settings::Readback::Resident) only for the counts of that step. The other stages do nothing.
+/// Components and [`Collisions`](super::collisions::Collisions) change in [`FaceoffSystems::Publish`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FaceoffSystems {
     /// Reads components into the stages' arrays and rejects invalid bodies.

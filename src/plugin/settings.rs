@@ -18,13 +18,14 @@ impl Default for Gravity {
     }
 }
 
-/// How long two bodies must not have touched before [`CollisionEnd`](crate::plugin::events::CollisionEnd) is sent and
+/// How long two colliders must not have touched before [`CollisionEnd`](crate::plugin::events::CollisionEnd) is sent and
 /// [`CollidingEntities`](crate::plugin::components::CollidingEntities) drops them. In seconds, default 0.1.
 ///
 /// A body that bounces, or that rolls along the rim of a sensor, may touch in one step and not in the next. Without
 /// hysteresis each gap would be an end and a new start. With hysteresis a start is sent at once, and an end after this
 /// time. An end is sent at once
-/// * if one of the two is despawned, loses its collider or is rejected,
+/// * if one of the two is despawned, loses its collider, is disabled or is rejected,
+/// * if one of the two became part of another body,
 /// * if a written `Transform` puts one of the two elsewhere, so that their bounding spheres are apart (not where results
 ///   come later),
 /// * for a fast body that passed a sensor within one step
@@ -32,7 +33,7 @@ impl Default for Gravity {
 ///
 /// `EventHysteresis(0.0)` turns hysteresis off: starts and ends are then exact to the step. It does not affect
 /// [`Collisions`](crate::plugin::collisions::Collisions), which always holds the pairs that touched in the last step.
-/// With an infinite time only the ends in this list are sent. A negative time counts as 0, and NaN counts as the
+/// With an infinite time only the ends that are sent at once are sent. A negative time counts as 0, and NaN counts as the
 /// default.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut, Serialize, Deserialize)]
 #[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
@@ -144,8 +145,8 @@ pub enum Readback {
     /// Like `Latent`, but the bodies stay on the GPU: components and `Collisions` are not written, and no messages of
     /// collisions are sent. Components hold what users wrote last.
     ///
-    /// A kinematic body that has moved by its velocity moves by its `Transform` again once you have stopped it and
-    /// inserted its `Transform`. Of one that was dynamic, insert both velocities, too, in the same step.
+    /// To move a kinematic body by its `Transform` after it has moved by its velocity, set both velocities to zero and insert its
+    /// `Transform`. If the body was dynamic before, insert both velocities and the `Transform` in the same step.
     ///
     /// [`StepReport`](crate::plugin::collisions::StepReport) has the counts. Draw from [`poses`](crate::plugin::poses).
     /// To read poses and velocities back, use [`Snapshot::take`](crate::plugin::snapshot::Snapshot::take).

@@ -1,4 +1,4 @@
-//! The table of faces of collision: the triangles that are visible from each direction.
+//! The face table: the triangles that are visible from each direction.
 //!
 //! The directions are those of a [`DirectionGrid`], and [`raster`](super::raster) defines which triangles are visible.
 //! The visible triangles of a direction are a *group*. Many directions have the same group, so in memory each distinct

@@ -46,7 +46,7 @@ use thiserror::Error;
 )]
 #[serde(default, deny_unknown_fields)]
 pub struct BakeSettings {
-    /// Whether to bake the table of faces of collision.
+    /// Whether to bake the face table.
     pub faces: bool,
     /// Angular step of the table in whole degrees; must divide 90.
     pub degrees: u32,

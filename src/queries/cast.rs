@@ -24,7 +24,7 @@ pub struct CastHit {
     /// Unit vector from the mesh to the shape: normal to the face that touches, to both edges that touch, or to the round
     /// shape. At least a little against the direction of the cast, unless the distance is 0.
     pub normal: Vec3,
-    /// The face of the mesh, an index of the input mesh.
+    /// The face of the mesh, an index of the source mesh.
     pub face: u32,
     /// The face of the shape if that is a mesh, unless the shape touches at the start.
     pub shape_face: Option<u32>,

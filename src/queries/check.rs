@@ -59,7 +59,7 @@ pub struct TouchingPair {
     /// Whether one body is solid and contains the other, or a connected component of it, without intersecting faces.
     /// With an approximate culling mode some intersecting faces may have been missed.
     pub contained: bool,
-    /// Intersecting faces as indices of the input meshes, `a`'s first, ascending.
+    /// Intersecting faces as indices of the source meshes, `a`'s first, ascending.
     pub faces: Vec<[u32; 2]>,
 }
 

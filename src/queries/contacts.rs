@@ -20,7 +20,7 @@ pub struct MeshContact {
     pub normal: Vec3,
     /// Signed distance from the first anchor to the second along the normal, metres; negative where the meshes overlap.
     pub separation: f32,
-    /// Faces on which the anchors lie, indices of the input meshes.
+    /// Faces on which the anchors lie, indices of the source meshes.
     pub faces: [u32; 2],
     /// Features of each mesh that touch. The same two ids identify the same point after a small motion. Those of overlaps
     /// may not: see [`FeatureKind::Overlap`].

@@ -61,7 +61,7 @@
 //! * [`Placed::closest_to_segment`] finds how a capsule comes out of an overlap.
 //! * [`Placed::overlaps`] tells whether a [`QueryShape`] touches the mesh: a mesh, ball, box or capsule. [`Placed::cast`] finds
 //!   where it first touches if it moves along a line.
-//! * [`Scene`] asks many placed meshes and half-spaces at once.
+//! * [`Scene`] asks many placed meshes and planes at once.
 //! * [`check`](check::check) and [`touching`] find the touching pairs of many placements. They run on rayon's thread
 //!   pool.
 //!

@@ -24,9 +24,9 @@ pub struct PointHit {
     /// Unit vector out of the mesh: from the nearest point to the given one, or back if that is inside. On the surface it is
     /// the normal of the face.
     pub normal: Vec3,
-    /// The face of the nearest point, an index of the input mesh.
+    /// The face of the nearest point, an index of the source mesh.
     pub face: u32,
-    /// Weights of the three corners of the face, in their order in the input mesh. They add up to 1.
+    /// Weights of the three corners of the face, in their order in the source mesh. They add up to 1.
     pub barycentric: Vec3,
     /// Whether the given point is inside the mesh. Never for rooms, and for open meshes unless they are nearly closed: see
     /// [`TriMesh::caps`](crate::geometry::TriMesh::caps).
@@ -162,7 +162,7 @@ impl Placed<'_> {
         }
     }
 
-    /// Weights of a triangle's corners, which are given, at one of its points; in the order of the input mesh.
+    /// Weights of a triangle's corners, which are given, at one of its points; in the order of the source mesh.
     pub(super) fn barycentric(&self, triangle: usize, p: DVec3, [a, b, c]: [DVec3; 3]) -> Vec3 {
         let (ab, ac, ap) = (b - a, c - a, p - a);
         let area = ab.cross(ac);
@@ -176,7 +176,7 @@ impl Placed<'_> {
         self.input_order(triangle, [1.0 - v - w, v, w])
     }
 
-    /// Weights of the corners of a triangle, in the order of the input mesh.
+    /// Weights of the corners of a triangle, in the order of the source mesh.
     pub(super) fn input_order(&self, triangle: usize, [u, v, w]: [f64; 3]) -> Vec3 {
         let ordered = if self.mesh().mesh.is_turned(triangle) {
             [u, w, v]

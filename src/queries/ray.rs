@@ -35,9 +35,9 @@ pub struct RayHit {
     pub point: DVec3,
     /// Unit normal of the face, on the side from which the ray comes.
     pub normal: Vec3,
-    /// The face, an index of the input mesh.
+    /// The face, an index of the source mesh.
     pub face: u32,
-    /// Weights of the three corners of the face, in their order in the input mesh. They add up to 1.
+    /// Weights of the three corners of the face, in their order in the source mesh. They add up to 1.
     pub barycentric: Vec3,
     /// Whether the ray comes from behind the face: from inside, if the mesh is closed.
     pub from_behind: bool,

@@ -16,7 +16,7 @@ pub struct SegmentHit {
     pub point: DVec3,
     /// Unit vector from the surface to the segment, or out of the mesh.
     pub normal: Vec3,
-    /// The face, an index of the input mesh.
+    /// The face, an index of the source mesh.
     pub face: u32,
 }
 

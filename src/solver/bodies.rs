@@ -21,7 +21,7 @@ pub struct SolverBody {
     pub radius: f32,
     /// Distance of the body's farthest point from its centre of mass, metres.
     pub extent: f32,
-    /// Thickness of its thinnest part, metres; infinite for a half-space.
+    /// Thickness of its thinnest part, metres; infinite for a plane.
     pub thickness: f32,
     /// Coefficient of restitution: outgoing over incoming normal speed, 0 to 1.
     pub restitution: f32,

@@ -47,7 +47,7 @@
 //! | [`warm_start`] | impulses saved for the next collision substep |
 //! | `gpu` | the solver on a GPU, with the feature `gpu` |
 //!
-//! [`SolverSettings`] has the parameters. Half-spaces take part as static bodies.
+//! [`SolverSettings`] has the parameters. Planes take part as static bodies.
 
 mod adapter;
 mod batch;

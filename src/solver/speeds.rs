@@ -43,7 +43,7 @@ impl Speeds {
         }
     }
 
-    /// Bounds for all solid bodies and half-spaces except those for which `skip` is true, within `dt` seconds. Bodies with
+    /// Bounds for all solid bodies and planes except those for which `skip` is true, within `dt` seconds. Bodies with
     /// continuous collision detection are left out, because they need no collision substeps.
     pub fn of(bodies: &SolverBodies, dt: f32, skip: impl Fn(usize) -> bool) -> Self {
         let mut speeds = Self::NONE;

@@ -47,7 +47,7 @@ pub struct Bodies {
     pub thickness: Vec<f32>,
     /// Radius that the broad phase uses: the bounding radius plus the body's speculative margin, metres.
     pub speculative_radius: Vec<f32>,
-    /// Time until the next collision detection, seconds; 0 once the body has completed its step.
+    /// Time until the next collision substep, seconds; 0 once the body has completed its step.
     pub travel_time: Vec<f32>,
     /// Of the body, 1/kg; 0 for bodies that contacts cannot move.
     pub inverse_mass: Vec<f32>,
@@ -166,7 +166,7 @@ impl Bodies {
         part_index.clear();
     }
 
-    /// [`Bodies::travel_time`] of a collider; 0 for half-spaces, which are numbered after the colliders.
+    /// [`Bodies::travel_time`] of a collider; 0 for planes, which are numbered after the colliders.
     pub(crate) fn travel_time_of(&self, i: usize) -> f32 {
         self.travel_time.get(i).copied().unwrap_or(0.0)
     }

@@ -1,4 +1,4 @@
-//! Contact reports: touching pairs with their intersecting faces, bodies that penetrate half-spaces, and contact
+//! Contact reports: touching pairs with their intersecting faces, bodies that penetrate planes, and contact
 //! points.
 
 use glam::Vec3;
@@ -14,7 +14,7 @@ pub struct Contacts {
     pub lists_faces: bool,
     /// Their number, whether they are listed or not.
     pub face_pairs: usize,
-    /// Bodies that penetrate half-spaces, ascending by body, then plane.
+    /// Bodies that penetrate planes, ascending by body, then plane.
     pub planes: Vec<PlaneContact>,
     /// Contact points, grouped by pair: first those of `pairs`, then those of `planes`.
     pub points: Vec<ContactPoint>,
@@ -75,7 +75,7 @@ pub struct ContactPoint {
 /// Two intersecting faces and their common segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacePair {
-    /// Face of the first body, an index of the input mesh.
+    /// Face of the first body, an index of the source mesh.
     pub a: u32,
     /// Face of the second body.
     pub b: u32,
@@ -86,16 +86,16 @@ pub struct FacePair {
     pub end: Vec3,
 }
 
-/// A body that penetrates a half-space.
+/// A body that penetrates a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneContact {
     /// The body.
     pub body: u32,
-    /// Index of the half-space.
+    /// Index of the plane.
     pub plane: u32,
     /// Depth-weighted mean of the penetrating vertices, in the world.
     pub point: Vec3,
-    /// Unit vector from the body into the half-space.
+    /// Unit vector from the body into the plane.
     pub normal: Vec3,
     /// Depth of the deepest vertex, metres.
     pub depth: f32,

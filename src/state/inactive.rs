@@ -4,7 +4,7 @@
 /// In place of the index of a body that no longer exists.
 pub(crate) const GONE: u32 = u32::MAX;
 
-/// The bodies that have not changed since the last collision substep. Half-spaces are numbered after the bodies.
+/// The bodies that have not changed since the last collision substep. Planes are numbered after the bodies.
 #[derive(Default)]
 pub(crate) struct InactiveBodies {
     /// For each body, whether nothing about it can have changed.

@@ -16,7 +16,7 @@ pub struct StepInput {
     pub meshes: MeshArena,
     /// The bodies.
     pub bodies: Bodies,
-    /// The half-spaces.
+    /// The planes.
     pub planes: Vec<Plane>,
     /// Stable identifiers of the bodies, ascending, which match bodies between steps. If their number differs from that
     /// of the bodies, indices serve instead.

@@ -35,7 +35,7 @@ pub struct ManifoldPoint {
     /// radii of curvature of both; 0 for other surfaces. The solver rotates the normal until the point carries an
     /// impulse.
     pub normal_rotation: f32,
-    /// Faces on which the anchors lie, indices of the input meshes.
+    /// Faces on which the anchors lie, indices of the source meshes.
     pub faces: [u32; 2],
 }
 
@@ -54,7 +54,7 @@ pub struct ContactSurface {
 /// The contact manifolds of all pairs.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Manifolds {
-    /// Manifolds, ascending by bodies; those with half-spaces come last.
+    /// Manifolds, ascending by bodies; those with planes come last.
     pub pairs: Vec<Manifold>,
     /// Contact points, grouped by pair.
     pub points: Vec<ManifoldPoint>,

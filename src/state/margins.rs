@@ -1,5 +1,5 @@
 //! Speculative margins: surfaces closer than their margin get contact points, because they may meet before the next
-//! detection.
+//! collision substep.
 //!
 //! A pair's margin follows the relative velocity of its bodies, so bodies that move together have none from motion. It
 //! is capped at twice the thickness of the thinner body; fast bodies get more collision substeps instead. If a third
@@ -45,8 +45,8 @@ impl SpeculativeMargins {
         });
     }
 
-    /// The same without a cap on the travel: spheres of bodies that cannot meet before the next detection do not
-    /// overlap.
+    /// The same without a cap on the travel: spheres of bodies that cannot meet before the next collision
+    /// substep do not overlap.
     pub fn set_reach(self, bodies: &mut Bodies, config: &StepConfig) {
         self.set_radii(bodies, config, |travel, _| travel);
     }

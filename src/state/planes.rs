@@ -1,11 +1,11 @@
-//! Planes: half-spaces.
+//! Planes that are solid on one side.
 
 use crate::types::body::{CollisionLayers, RigidBody};
 use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::material::{CombineRule, Friction};
 use glam::Vec3;
 
-/// A half-space: `normal . p < distance`.
+/// A plane: the points `p` with `normal . p < distance` are solid.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Plane {
     /// Unit vector out of the solid side.

@@ -1,8 +1,8 @@
 //! The fixed step: from moving bodies to collided bodies.
 //!
 //! A step is divided into *collision substeps*, and contact points are computed and solved in each of them. Their
-//! number depends on the relative speeds of the bodies, so that no surface passes through a thin body between two
-//! detections. Only [`Response::Contacts`](crate::types::settings::Response::Contacts) uses more than one. Each
+//! number depends on the relative speeds of the bodies, so that no surface passes through a thin body within one of
+//! them. Only [`Response::Contacts`](crate::types::settings::Response::Contacts) uses more than one. Each
 //! collision substep runs the stages in order, and each stage runs a few parts:
 //!
 //! | stage | part | what it does | reads | writes |
@@ -10,7 +10,7 @@
 //! | [`broad_phase`] | begin (first) | restores sleeping bodies, chooses the number of collision substeps and the speculative margins | [`StepInput`], [`StepMemory`] | solver bodies, margins |
 //! | | find sphere pairs | finds overlapping bounding spheres with a hashed grid | bounding spheres and margins | pairs |
 //! | | filter pairs | leaves out pairs by the caller's [`hooks`] | pairs | pairs |
-//! | [`angles`] | find near pairs | separates most of these pairs by support planes | pairs, poses, support heights, face tables | near pairs with relative poses |
+//! | [`angles`] | find near pairs | separates most of these pairs by support axes | pairs, poses, support heights, face tables | near pairs with relative poses |
 //! | [`triangle_test`] | test triangles (first) | tests the remaining pairs triangle by triangle | near pairs, triangles | touching pairs, intersecting faces, contacts |
 //! | [`manifolds`] | find contact points (N, C) | computes points with normals from vertices, edges and faces that are near each other | near pairs, features | manifolds |
 //! | | modify contacts (N, C) | has contacts modified by the caller's [`hooks`] | manifolds | manifolds |
@@ -30,7 +30,7 @@
 //! N, I, C: only with the response None, Impulse, Contacts. First, last: only in the first or last collision substep.
 //! [`order`] is this table as code, and both backends run it. `step::cpu` calls one function per part, which is in the
 //! folder of its stage; `step::gpu` records the kernels of that folder. Hooks exist on the CPU
-//! only: steps with them run there. Continuous collision detection runs on the CPU in the midst of a step on the device.
+//! only: steps with them run there. Continuous collision detection runs on the CPU during a step on the device.
 //!
 //! A [`StepState`] owns all data of a step in four structs, and the function of a stage takes those that it needs:
 //! * [`StepInput`]: the caller's input. The step moves its bodies.

@@ -14,7 +14,7 @@ pub enum Part {
     FindSpherePairs,
     /// Leaves out pairs by the caller's hooks. Runs on the CPU only: steps with hooks run there.
     FilterPairs,
-    /// Finds those of these pairs that no support plane separates.
+    /// Finds those of these pairs that no support axis separates.
     FindNearPairs,
     /// Tests the triangles of these pairs.
     TestTriangles,
@@ -38,7 +38,7 @@ pub enum Part {
     RecordTouches,
     /// Puts islands to sleep that have been at rest for long enough.
     FallAsleep,
-    /// Stops bodies with continuous collision detection at their first impact. Runs on the CPU only, in the midst of a step
+    /// Stops bodies with continuous collision detection at their first impact. Runs on the CPU only, during a step
     /// on a device too.
     StopFastBodies,
     /// Copies the motion of the solver's bodies to the bodies of the step.

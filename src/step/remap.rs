@@ -19,7 +19,7 @@ pub(crate) fn previous_numbers<K: Ord>(
 }
 
 /// Appends to `numbers`, which are the new numbers of the old bodies, the new numbers of the `old_count` old
-/// half-spaces. Half-spaces are numbered after the bodies; now there are `new_count` of them after `bodies` bodies.
+/// planes. Planes are numbered after the bodies; now there are `new_count` of them after `bodies` bodies.
 pub(crate) fn renumber_planes(numbers: &mut Vec<u32>, old_count: usize, bodies: usize, new_count: usize) {
     numbers.extend((0..old_count).map(|plane| {
         if plane < new_count {

@@ -60,7 +60,7 @@ impl Schedule {
         }
     }
 
-    /// How body `i` passes through the present collision substep. Half-spaces are numbered after the bodies.
+    /// How body `i` passes through the present collision substep. Planes are numbered after the bodies.
     pub fn pace(&self, i: usize, config: &StepConfig, bodies: &Bodies) -> Pace {
         let dt = bodies.travel_time_of(i);
         if dt == 0.0 {

@@ -24,7 +24,7 @@ pub struct StepScratch {
     age: u32,
     /// The bodies' keys.
     pub(crate) keys: Vec<u64>,
-    /// The solver's bodies, followed by the half-spaces.
+    /// The solver's bodies, followed by the planes.
     pub(crate) solver_bodies: SolverBodies,
     /// Which of them are unchanged since the last collision substep.
     pub(crate) inactive: InactiveBodies,

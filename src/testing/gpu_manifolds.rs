@@ -88,8 +88,8 @@ impl GpuManifolds {
         self.repeats
     }
 
-    /// The contact points of `pairs`, which must ascend, and of the bodies of `state` on its half-spaces, ascending by
-    /// the numbers of bodies. Half-space `i` is numbered `bodies.len() + i`. Invalid pairs have no points. A margin
+    /// The contact points of `pairs`, which must ascend, and of the bodies of `state` on its planes, ascending by
+    /// the numbers of bodies. Plane `i` is numbered `bodies.len() + i`. Invalid pairs have no points. A margin
     /// that is negative or NaN counts as 0.
     ///
     /// # Errors

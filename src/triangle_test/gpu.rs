@@ -1,4 +1,4 @@
-//! TriangleTest on the GPU: one workgroup per pair, and one per body for the half-spaces.
+//! TriangleTest on the GPU: one workgroup per pair, and one per body for the planes.
 //!
 //! Large pairs, such as two meshes of more than 1,024 triangles, are split into pieces, which run side by side:
 //!
@@ -8,13 +8,13 @@
 //! | pairs, pieces | piece | its triangles |
 //! | pairs | pair | the triangles of all other pairs |
 //! | join | pair | the contacts of large pairs |
-//! | number hits | (pair of faces) | their numbers within their pair |
+//! | number hits | (face pair) | their numbers within their pair |
 //!
 //! In a round a workgroup opens a pair of nodes or tests 64 pairs of triangles. A piece takes at most 129 rounds, or 8,321 with
 //! the larger nodes; a pair that is not split at most 133,200. BENCHMARKS.md says how long that is.
 //!
 //! Tests have error bounds, as on the CPU. Where single precision cannot decide, the triangles count as touching unless
-//! a separating plane is found, because graphics cards lack fast double precision. So no contact is missed, but faces
+//! a separating plane is found, because GPUs lack fast double precision. So no contact is missed, but faces
 //! closer than some millionths of the bodies' size may be reported although they do not touch.
 
 use super::cpu::{contact, interval_test};
@@ -34,7 +34,7 @@ const SPLIT: Kernel = kernel!("triangle_test/split");
 const JOIN: Kernel = kernel!("triangle_test/join");
 /// Numbers the intersecting faces of pieces.
 const NUMBER_HITS: Kernel = kernel!("triangle_test/number_hits");
-/// Finds the vertices inside half-spaces.
+/// Finds the vertices inside planes.
 const PLANES: Kernel = kernel!("triangle_test/planes");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::triangle_test", {

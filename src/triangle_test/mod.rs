@@ -18,7 +18,7 @@
 //!
 //! `cpu::touching` finds only which bodies touch, and stops at the first intersection of each pair.
 //!
-//! All culls but the views are conservative. So an approximate mode finds exactly those pairs of faces of the exact
+//! All culls but the views are conservative. So an approximate mode finds exactly those face pairs of the exact
 //! mode whose faces are both in view.
 
 pub mod cpu;

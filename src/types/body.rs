@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 /// How a body moves.
 ///
-/// A body is an entity with a `RigidBody`. Its shape are the
-/// [`MeshCollider`](crate::plugin::components::MeshCollider)s on it and on its descendants, up to the next `RigidBody`:
-/// mass, centre of mass and inertia add up, and colliders of one body never collide with each other. A collider without a
+/// A body is an entity with a `RigidBody`. Its shape consists of the
+/// [`MeshCollider`](crate::plugin::components::MeshCollider)s on it and on its descendants, down to the next `RigidBody`.
+/// Mass, centre of mass and inertia add up, and colliders of one body never collide with each other. A collider without a
 /// `RigidBody` on it or above it is static.
 ///
 /// A body may be anywhere in the hierarchy. A dynamic body keeps its pose in the world when what is above it moves: the
@@ -39,8 +39,8 @@ use serde::{Deserialize, Serialize};
 /// }
 /// ```
 ///
-/// A pair of colliders is tested if at least one of them is dynamic, or if one is a
-/// [`Sensor`](crate::plugin::components::Sensor) and the other is kinematic.
+/// A pair of colliders is tested if at least one of the two is dynamic. A pair with a
+/// [`Sensor`](crate::plugin::components::Sensor) is tested if at least one of the two is dynamic or kinematic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",

@@ -5,7 +5,7 @@ use std::fmt;
 /// The feature of a mesh at a contact point, packed into 32 bits.
 ///
 /// If the ids of two points of the same pair agree on both sides, the second one is the first one at a later time. The
-/// ids of a mesh depend only on the input mesh and its bake settings, not on its pose, on the other body, or on the run
+/// ids of a mesh depend only on the source mesh and its bake settings, not on its pose, on the other body, or on the run
 /// of the program. Those of overlaps are different: see [`FeatureKind::Overlap`]. No id is zero.
 ///
 /// An index has 28 bits. In a mesh with more than 89 million faces different features may have the same id.
@@ -16,13 +16,13 @@ pub struct FeatureId(u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum FeatureKind {
-    /// A corner. The index is that of the vertex in the input mesh. Vertices that are welded have the same index.
+    /// A corner. The index is that of the vertex in the source mesh. Vertices that are welded have the same index.
     Vertex,
     /// An edge between two faces, or at a boundary. The index is `3 f + e`, where `f` is the index of a face at the
     /// edge, and `e` is 0 for the edge from the face's first corner to its second, 1 for the next edge and 2 for the
     /// last one. Of the two faces at an edge it is always the same one.
     Edge,
-    /// The interior of a face. The index is that of the face in the input mesh.
+    /// The interior of a face. The index is that of the face in the source mesh.
     Face,
     /// A place in a region of overlap, found by a ray through both bodies. The index is the number of the region among
     /// those of the pair at the time.

@@ -58,9 +58,9 @@ pub struct GpuLists {
     /// Pairs of bodies whose bounding spheres overlap. If several collision substeps may be needed, the list first holds the
     /// pairs that can meet within the step.
     pub sphere_pairs: GpuList,
-    /// Pairs of intersecting faces.
+    /// Intersecting face pairs.
     pub face_pairs: GpuList,
-    /// Contacts with half-spaces.
+    /// Contacts with planes.
     pub plane_contacts: GpuList,
     /// Pieces of large pairs, such as two meshes of more than 1,024 triangles. Each has a workgroup of its own.
     pub pair_pieces: GpuList,

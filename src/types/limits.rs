@@ -7,18 +7,18 @@ use serde::{Deserialize, Serialize};
 /// How many pairs a step on the CPU holds at most. They bound its memory and its time where thousands of bodies are in
 /// one place, each of which touches all others.
 ///
-/// The default limits are far beyond what fits in physical space: two gigabytes of pairs. Where a step would exceed one,
-/// pairs are left out, so that it is **not exact**.
+/// The default limits are far beyond what fits in physical space: two gigabytes of pairs of bodies, and one of face pairs.
+/// Where a step would exceed a limit, pairs are left out, so that it is **not exact**.
 /// [`StepReport::crowded_bodies`](crate::plugin::collisions::StepReport::crowded_bodies) counts the bodies that lose
 /// pairs, and an error names one of them.
 ///
-/// * Beyond `body_pairs` no search of a body finds more than a certain number of pairs: the largest that the limit allows,
-///   to a factor of two, and at least a quarter of a body's share, which is `body_pairs` over the number of bodies. Two
-///   bodies that overlap fewer others keep each other.
-/// * Beyond `face_pairs` those of the bodies that overlap the most others are left out first, and pairs with static
+/// * Beyond `body_pairs` the search for the pairs of a body ends after a certain number of them, the same for all bodies. It is
+///   the largest number that the limit allows, up to a factor of two. It is at least a quarter of `body_pairs` divided by the
+///   number of bodies. If two bodies both overlap fewer others than that, their pair is kept.
+/// * Beyond `face_pairs` the pairs of the bodies that overlap the most others are left out first, and pairs with static
 ///   bodies last.
 ///
-/// A device has its own limits, those of its buffers. If a list does not fit there, the step runs on the CPU.
+/// A GPU has its own limits: the sizes of its buffers. If a list does not fit there, the step runs on the CPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 pub struct StepLimits {
     /// Pairs of bodies whose bounding spheres overlap. Each takes up to 250 bytes.
     pub body_pairs: usize,
-    /// Pairs of intersecting faces. Each takes 64 bytes. A single pair of bodies may have more.
+    /// Intersecting face pairs. Each takes 64 bytes. A single pair of bodies may have more.
     pub face_pairs: usize,
 }
 

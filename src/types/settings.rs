@@ -30,10 +30,10 @@ pub enum Response {
     /// whatever the [`Culling`].
     ///
     /// It runs on the GPU too. The CPU stops bodies that have
-    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) in the midst of a step. With
+    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) during a step. With
     /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
-    /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) a step has one collision substep if no more
-    /// can be needed by the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.
+    /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) a step has only one collision substep if the
+    /// speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before do not need more.
     #[default]
     Contacts,
 }
@@ -44,12 +44,12 @@ pub enum Response {
 /// body. The two bodies of a pair may have different modes: the mode of each body chooses among its own triangles, seen
 /// from the other body.
 ///
-/// All modes use the same conservative culls. An approximate mode finds exactly those intersecting pairs of faces of
+/// All modes use the same conservative culls. An approximate mode finds exactly those intersecting face pairs of
 /// `Exact` in which both faces are in view, and never a pair that does not intersect. What it misses lies behind other
 /// faces, seen along the line between the centres. A finer table would not find it.
 ///
 /// Measured recall (`cargo bench --bench recall`). The first figure is the share of touching pairs of bodies for which
-/// any intersecting faces are found. The second is the share of their intersecting pairs of faces that are found.
+/// any intersecting faces are found. The second is the share of their intersecting face pairs that are found.
 /// Scenes are random, with diameters from 0.25 to 2.
 ///
 /// | 240-triangle torus | `FacesOfCollision` | `FrontFacing` |
@@ -80,7 +80,7 @@ pub enum Response {
 )]
 #[non_exhaustive]
 pub enum Culling {
-    /// Only conservative culls: every intersecting pair of faces is found.
+    /// Only conservative culls: every intersecting face pair is found.
     #[default]
     Exact,
     /// **Approximate**, see the recall above. Tests only the *faces of collision*: triangles that are visible from the

@@ -5,7 +5,7 @@
 pub enum Stage {
     /// Finds pairs of bodies whose bounding spheres overlap.
     BroadPhase,
-    /// Computes each pair's relative pose, rejects pairs that a support plane separates, and looks up the visible
+    /// Computes each pair's relative pose, rejects pairs that a support axis separates, and looks up the visible
     /// faces.
     Angles,
     /// Tests triangles against triangles.

@@ -14,7 +14,7 @@ fn check_finds_what_brute_force_finds() {
     assert!(compare_regimes(1) >= 20_000);
 }
 
-/// `cargo test --release --features cli --test stages a_million -- --ignored --nocapture`
+/// `cargo test --release --features cli --test stages a_million_touching_pairs -- --ignored --nocapture`
 #[test]
 #[ignore = "takes ten minutes"]
 fn a_million_touching_pairs() {

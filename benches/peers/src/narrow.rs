@@ -22,7 +22,7 @@ pub struct Narrow {
     pub touching: usize,
     /// The number of pairs of which one body is wholly inside the other, according to bevy_faceoff.
     pub contained: usize,
-    /// The number of pairs of faces that intersect, according to bevy_faceoff.
+    /// The number of face pairs that intersect, according to bevy_faceoff.
     pub face_pairs: usize,
     /// Seconds of each round of bevy_faceoff's narrow phase.
     pub ours: Vec<f64>,

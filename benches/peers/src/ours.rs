@@ -85,7 +85,7 @@ impl Stages {
             .count()
     }
 
-    /// The number of pairs of faces that intersect.
+    /// The number of face pairs that intersect.
     pub fn face_pairs(&self) -> usize {
         self.state.results.contacts.faces.len()
     }

@@ -144,7 +144,7 @@ impl Scene {
         )
     }
 
-    /// Centres and half sizes of six boxes around the box. The peers run faster against these than against half-spaces,
+    /// Centres and half sizes of six boxes around the box. The peers run faster against these than against planes,
     /// whose bounding boxes are endless.
     pub fn walls(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
         let half = 0.5 * self.paper.side;

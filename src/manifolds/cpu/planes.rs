@@ -1,4 +1,4 @@
-//! Contact points of bodies on half-spaces: a few vertices, the lowest and widely spread. A finely tessellated curved
+//! Contact points of bodies on planes: a few vertices, the lowest and widely spread. A finely tessellated curved
 //! surface touches with its smooth surface.
 
 use super::smooth;

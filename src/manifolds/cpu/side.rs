@@ -217,7 +217,7 @@ impl Side<'_> {
         f64::from(((aabb.max - aabb.min) * self.scale.abs()).max_element())
     }
 
-    /// Index of a triangle in the input mesh.
+    /// Index of a triangle in the source mesh.
     pub fn face(&self, triangle: u32) -> u32 {
         self.mesh.mesh.face_ids()[triangle as usize]
     }

@@ -1,7 +1,7 @@
 //! Contact on the smooth surface that a fine mesh approximates.
 //!
 //! On its mesh, a rolling ball touches with one vertex after the other, and each lies ahead of the centre until the
-//! next detection. The ball would lose speed as if its facets were as long as its travel in a collision substep. Balls
+//! next collision substep. The ball would lose speed as if its facets were as long as its travel in a collision substep. Balls
 //! in an off-centre impact would be deflected along the normals of the facets that lie most across their path, which
 //! touch first.
 

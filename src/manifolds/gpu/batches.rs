@@ -32,7 +32,7 @@ pub struct BatchSize {
 }
 
 /// Of all lists of a batch, bytes. A batch of tori of 240 triangles has some 40,000 pairs then, with a workgroup each: several
-/// times what a card runs at once.
+/// times what a GPU runs at once.
 const BYTES: u64 = 256 << 20;
 
 /// With more, the program of a step becomes long, and its dispatches short.

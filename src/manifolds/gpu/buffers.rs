@@ -14,7 +14,7 @@ pub struct ContactCapacity {
     pub batches: u32,
     /// Pairs of bodies whose contact points are requested.
     pub margin_pairs: u32,
-    /// The same, plus bodies times half-spaces.
+    /// The same, plus bodies times planes.
     pub slots: u32,
     /// Pairs of triangles that are near each other, of a batch.
     pub near_triangles: u32,
@@ -158,7 +158,7 @@ buffers! {
         active_pairs: ARRAY u32, capacity.margin_pairs, "active pairs";
         /// Points in any order.
         staged: ARRAY ContactPoint, capacity.staged_points, "staged contact points";
-        /// The range of points of each pair, and of each body and half-space.
+        /// The range of points of each pair, and of each body and plane.
         slots: ARRAY ContactPair, capacity.slots, "contact slots";
         /// Position of each slot's pair in the result.
         pair_places: ARRAY u32, capacity.slots, "places of contact pairs";

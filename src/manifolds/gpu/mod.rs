@@ -15,7 +15,7 @@
 //! | ray | pair | rays out of patches without an overlapping feature |
 //! | inside | pair | containment |
 //! | reduce | pair | contact reduction, to at most 16 points |
-//! | planes | body | contact points on half-spaces |
+//! | planes | body | contact points on planes |
 //! | compound anchors | (slot) | anchors on colliders of compounds |
 //! | counts, scans, emit | (slot) | the lists of pairs and points |
 //!
@@ -27,7 +27,7 @@
 //!
 //! The results are two lists without gaps, ascending by the numbers of the bodies, and counters. The counters hold the
 //! lengths of the results and tell whether an intermediate list overflowed. Test `CONTACTS_SKIPPED` first: if it is
-//! set, the host makes the lists as long as the counters say and repeats the run. Half-space `i` is numbered `bodies +
+//! set, the host makes the lists as long as the counters say and repeats the run. Plane `i` is numbered `bodies +
 //! i`.
 //!
 //! The range of a pair in the intermediate lists depends on the order of workgroups. The order within the range is that
@@ -86,7 +86,7 @@ const ADMIT: Kernel = kernel!("manifolds/admit");
 const RAY: Kernel = kernel!("manifolds/ray");
 /// Tests for containment.
 const INSIDE: Kernel = kernel!("manifolds/inside");
-/// Finds contact points on half-spaces.
+/// Finds contact points on planes.
 const PLANES: Kernel = kernel!("manifolds/planes");
 /// Measures anchors on colliders of compounds from the compound's centre of mass.
 const COMPOUND_ANCHORS: Kernel = kernel!("manifolds/compound_anchors");

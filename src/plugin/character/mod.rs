@@ -69,8 +69,8 @@ use std::f32::consts::FRAC_PI_4;
 ///   bodies, make the mesh wider than radius plus skin, or leave the layers of these bodies out of the filter.
 /// * [`GravityScale`](crate::plugin::components::GravityScale) works on it; 0 lets it fly.
 /// * Under a parent that moves it is moved by that too, so do not spawn it below a platform.
-/// * [`RigidBodyDisabled`](crate::plugin::components::RigidBodyDisabled) stops it. It stands still where questions cannot be
-///   answered ([`SpatialQuery::check`](crate::plugin::queries::SpatialQuery::check)), and if its numbers are not valid; then a
+/// * [`RigidBodyDisabled`](crate::plugin::components::RigidBodyDisabled) stops it. It stands still where queries find
+///   nothing ([`SpatialQuery::check`](crate::plugin::queries::SpatialQuery::check)), and if its numbers are not valid; then a
 ///   warning names it.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
@@ -84,9 +84,10 @@ pub struct Character {
     pub up: Dir3,
     /// What the game wants, m/s. After the step it is what was possible: without the part into walls.
     ///
-    /// On the ground it is relative to the ground. It is horizontal after the step also on slopes, and a part along `up` is a
-    /// jump. In the air it is relative to the world, and gravity changes it. Who leaves the ground takes along the velocity
-    /// of the ground. Whoever comes to ground that moves keeps its velocity in the world, until the game sets another one.
+    /// On the ground it is relative to the ground. After the step it is horizontal, also on slopes. To jump, set a part along `up`.
+    /// In the air it is relative to the world, and gravity changes it. When the character leaves the ground, the velocity of the
+    /// ground is added to its own. When it lands on ground that moves, it keeps its velocity in the world until the game sets
+    /// another one.
     pub velocity: Vec3,
     /// The steepest slope on which it stands and walks, radians. Default 45 degrees. It slides down from steeper ones.
     pub max_slope: f32,
@@ -191,7 +192,7 @@ impl Plugin for CharacterPlugin {
     }
 }
 
-/// Moves all characters. The system is made when there is the first of them: from then on the app asks questions.
+/// Moves all characters. The system is made when there is the first of them: from then on the app queries.
 fn run(world: &mut World) {
     if let Err(error) = world.run_system_cached(step::move_characters) {
         error!("{error}");

@@ -1,5 +1,8 @@
-//! Dynamics of a body: mass, inertia, damping, speed limits and continuous collision detection. They take effect with
-//! [`Response::Contacts`](crate::types::settings::Response::Contacts).
+//! Dynamics of a body: mass, inertia, gravity, damping, speed limits, continuous collision detection and sleep.
+//!
+//! [`GravityScale`] takes effect with every [`Response`](crate::types::settings::Response). [`Mass`], [`Density`] and
+//! [`AngularInertia`] take effect with [`Response::Contacts`](crate::types::settings::Response::Contacts) and
+//! [`Response::Impulse`](crate::types::settings::Response::Impulse), and the others with `Response::Contacts` only.
 
 pub use crate::types::body::{ExternalForces, LockedAxes};
 pub use crate::types::material::CombineRule;
@@ -103,9 +106,9 @@ impl Default for MaxAngularSpeed {
 /// own velocity, and the contact solver handles the contact in the next collision substep. Bodies with this component
 /// cause more collision substeps only after they met something.
 ///
-/// * The cost is one search for each body near the path: some microseconds if the other body is passed by, tens to
-///   hundreds of microseconds near many triangles, and another search for each neighbour of bodies that met. A heap of
-///   100 balls costs about ten times as much if all have this component.
+/// * It costs a search for each body near the path. A search takes some microseconds if the two stay apart, and tens to hundreds
+///   of microseconds near many triangles. When bodies have met, each of their neighbours costs another search. A pile of 100
+///   balls costs about ten times as much if all have this component.
 /// * Add it to fast bodies, not to the bodies that they may hit. Doors and crates need it only if they are fast
 ///   themselves.
 /// * A body squeezed between two others may overlap one of them: a dynamic body rather than a kinematic one, and a
@@ -115,12 +118,11 @@ impl Default for MaxAngularSpeed {
 ///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)). On a sensor or a kinematic body the
 ///   component has only this effect.
 /// * Planes do not need it: no body passes through them.
-/// * Steps with such bodies stay on the GPU, with the same guarantees: the CPU stops them in the midst of the step. For
-///   that each collision substep waits for the GPU once, or up to three times if something is near a path, and the step
-///   once more at its end, also with
-///   [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
-///   [`Readback::Resident`](crate::plugin::settings::Readback::Resident), whose results come as late as ever.
-///   [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts it.
+/// * Steps with such bodies stay on the GPU, with the same guarantees. The CPU stops these bodies during the step. For that it
+///   waits for the GPU once in each collision substep, or up to three times if something is near a path, and once more at the
+///   end of the step. It also does so with [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
+///   [`Readback::Resident`](crate::plugin::settings::Readback::Resident), whose results come as late as in other steps.
+///   [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts how often it waits.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContinuousCollision;

@@ -33,8 +33,8 @@ pub struct MeshCollider(pub Handle<CollisionMesh>);
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct ColliderToCome;
 
-/// A half-space: the points `p` with `normal . p < distance` are solid, in the coordinates of its entity. Dynamic bodies
-/// collide with it.
+/// An infinite plane that is solid on one side, also called a half-space: the points `p` with `normal . p < distance` are solid,
+/// in the coordinates of its entity. Dynamic bodies collide with it.
 ///
 /// It follows the `Transform` of its entity and of those above it. A plane that is moved pushes bodies out of itself, but it
 /// has no velocity: it does not carry them along. A lift or a piston is a kinematic body with a mesh.
@@ -43,7 +43,7 @@ pub(crate) struct ColliderToCome;
 /// move it. It may have [`Friction`](crate::types::material::Friction) and
 /// [`Restitution`](crate::types::material::Restitution), and obeys
 /// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`ColliderDisabled`]. With [`Sensor`] it is not solid, and detects
-/// what is below it: the surface of a lake, or a depth that no player survives. Collisions with planes are reported like those
+/// the dynamic and kinematic bodies below it: the surface of a lake, or a depth that no player survives. Collisions with planes are reported like those
 /// with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,16 +74,17 @@ impl PlaneCollider {
     }
 }
 
-/// What a collider or plane is called in every run of a program, whatever its entity.
+/// A number that stands for the same collider or plane in every run of a program, whatever its entity is.
 ///
 /// Colliders and planes are processed in the order of their keys, and those without a key after them in the order of
 /// entities. So two worlds whose bodies have the same keys give the same results to the bit, whatever was spawned and
 /// despawned in between; and a [`Snapshot`](crate::plugin::snapshot::Snapshot) of one continues in the other. Give one to
 /// every collider and plane, or to none.
 ///
-/// Each has its own; those of a network or a saved game will do. A collider on a child has the key of its body if it has
-/// none, which is enough for a body with one collider. A key that appears twice causes a warning in the log, and then
-/// counts only for the collider with the smaller entity. The highest bit of a key does not count.
+/// Each collider and plane needs a key of its own. The numbers that a network or a saved game uses are suitable. A
+/// collider on a child has the key of its body if it has none, which is enough for a body with one collider. A key that
+/// appears twice causes a warning in the log, and then counts only for the collider with the smaller entity. The
+/// highest bit of a key does not count.
 ///
 /// A collider whose key changes is a new one to the step: it wakes, and its collisions end and start.
 #[derive(
@@ -99,7 +100,8 @@ pub struct StableKey(pub u64);
 /// body that passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and
 /// only if the faster one of the two has [`ContinuousCollision`].
 ///
-/// It detects dynamic and kinematic bodies, so also the door that it opens. Ask who came:
+/// At least one of the two must be dynamic or kinematic. So a static sensor detects dynamic and kinematic bodies, also the door
+/// that it opens, but no static colliders. A dynamic or kinematic sensor detects static colliders too. Ask who came:
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -126,7 +128,7 @@ pub struct StableKey(pub u64);
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensor;
 
-/// Takes a collider or plane out of the world until it is removed: it touches nothing, has no mass, and no question finds it. So
+/// Takes a collider or plane out of the world until it is removed: it touches nothing, has no mass, and no query finds it. So
 /// does Bevy's `Disabled`.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
@@ -147,8 +149,8 @@ pub struct RigidBodyDisabled;
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Teleport;
 
-/// Overrides the resource [`Culling`] for this body: which of its triangles are tested. The mode of the other body of a
-/// pair chooses among that body's triangles.
+/// Overrides the resource [`Culling`] for this body. It chooses which triangles of this body are tested. The mode of the
+/// other body of a pair chooses among the triangles of that other body.
 #[derive(
     Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut, Serialize, Deserialize,
 )]

@@ -1,10 +1,10 @@
-//! [`SpatialQueryFilter`]: what a question is about.
+//! [`SpatialQueryFilter`]: what a query considers.
 
 use super::index::IndexedCollider;
 use bevy::ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy::prelude::*;
 
-/// Which colliders a question is about. Default: all, sensors included.
+/// Which colliders and planes a query considers. Default: all, sensors included.
 ///
 /// ```
 /// # use bevy::prelude::*;

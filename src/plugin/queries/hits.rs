@@ -1,4 +1,4 @@
-//! What questions answer.
+//! Results of queries.
 
 use super::index::SpatialIndex;
 use crate::queries::{SceneCastHit, ScenePointHit, SceneRayHit};

@@ -1,4 +1,4 @@
-//! [`SpatialIndex`]: the colliders and planes that can be asked.
+//! [`SpatialIndex`]: the colliders and planes that queries see.
 
 use crate::queries::Scene;
 use crate::types::body::CollisionLayers;
@@ -7,7 +7,7 @@ use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 use thiserror::Error;
 
-/// Why questions cannot be answered.
+/// Why queries are not possible.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SpatialQueryError {

@@ -1,13 +1,13 @@
-//! Questions to the world: what does a ray hit, what is near a point, what does a shape overlap or run into?
+//! Spatial queries: what does a ray hit, what is near a point, what does a shape overlap or run into?
 //!
 //! | to | see |
 //! |---|---|
-//! | ask in a system | [`SpatialQuery`] |
+//! | query in a system | [`SpatialQuery`] |
 //! | cast a ray or a shape from an entity after each step | [`RayCaster`], [`ShapeCaster`] |
 //! | choose what counts | [`SpatialQueryFilter`] |
-//! | ask about what moved in the same frame | [`update_spatial_queries`] |
-//! | ask where poses stay on the GPU | [`update_spatial_queries_from`] |
-//! | ask without an app | [`queries::Scene`](crate::queries::Scene) |
+//! | query what moved in the same frame | [`update_spatial_queries`] |
+//! | query where poses stay on the GPU | [`update_spatial_queries_from`] |
+//! | query without an app | [`queries::Scene`](crate::queries::Scene) |
 
 mod filter;
 mod hits;

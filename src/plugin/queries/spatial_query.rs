@@ -1,4 +1,4 @@
-//! [`SpatialQuery`]: the system parameter that asks.
+//! [`SpatialQuery`]: the system parameter for spatial queries.
 
 use super::filter::SpatialQueryFilter;
 use super::hits::{PointHitData, RayHitData, ShapeHitData};
@@ -10,11 +10,11 @@ use bevy::math::{DQuat, DVec3};
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
-/// Asks which colliders and planes are where: rays, points, overlaps and casts, exact on the triangles.
+/// Queries colliders and planes: by rays, points, overlaps and casts, exact on the triangles.
 ///
-/// Answers are about the poses after the last step, which are those of the components: to see what systems have moved since,
-/// run [`update_spatial_queries`] before. Questions run on the CPU, wherever the stages run. They need no exclusive access to
-/// anything, so systems that ask run in parallel, and may write `Transform`s.
+/// Queries use the poses after the last step, which are those of the components. To see what systems have moved since then, run
+/// [`update_spatial_queries`] before. Queries run on the CPU, wherever the stages run. They need no exclusive access to
+/// anything, so systems that query run in parallel, and may write `Transform`s.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -35,7 +35,7 @@ pub struct SpatialQuery<'w, 's> {
     _wanted: Local<'s, Wanted>,
 }
 
-/// Tells the index that a system asks.
+/// Tells the index that a system queries.
 struct Wanted;
 
 impl FromWorld for Wanted {
@@ -43,7 +43,7 @@ impl FromWorld for Wanted {
         let index = world.get_resource_or_init::<SpatialIndex>();
         if !index.is_wanted {
             index.into_inner().is_wanted = true;
-            // The first question may come before the next step.
+            // The first query may come before the next step.
             if let Err(error) = world.run_system_cached(update_spatial_queries) {
                 error!("{error}");
             }
@@ -53,7 +53,7 @@ impl FromWorld for Wanted {
 }
 
 impl SpatialQuery<'_, '_> {
-    /// Whether questions can be answered. If not, they find nothing, and the error is logged once.
+    /// Whether queries are possible. If not, they find nothing, and the error is logged once.
     ///
     /// # Errors
     /// With [`Readback::Resident`](crate::plugin::settings::Readback::Resident), unless

@@ -15,10 +15,10 @@ use bevy::math::{DAffine3, DMat3};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
 
-/// Makes questions see what systems have changed since the last step: the system to run before a system that asks, if others
-/// moved, spawned or removed colliders in the same frame.
+/// A system that updates what [`SpatialQuery`](super::SpatialQuery) sees. Run it before a system that queries, if others have
+/// moved, spawned or removed colliders since the last step.
 ///
-/// After each step it runs by itself, if any system asks. With
+/// After each step it runs by itself, if any system queries. With
 /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) it does nothing.
 ///
 /// ```
@@ -43,7 +43,7 @@ pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Collid
     index.has_given_poses = false;
 }
 
-/// The same after a step, if any system asks.
+/// The same after a step, if any system queries.
 pub(crate) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Colliders) {
     if index.is_wanted {
         update_spatial_queries(index, colliders);
@@ -57,7 +57,7 @@ pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Res<StepReport>, col
     }
 }
 
-/// Makes questions see bodies at these poses, until the next call or, but for
+/// Makes queries see bodies at these poses, until the next call or, but for
 /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident), the next step. The poses of a
 /// [`Snapshot`](crate::plugin::snapshot::Snapshot) are `snapshot.bodies()`.
 pub fn update_spatial_queries_from<'a>(world: &mut World, bodies: impl IntoIterator<Item = (Entity, &'a Motion)>) {

@@ -35,7 +35,7 @@ use std::collections::BTreeMap;
 ///
 /// A snapshot is plain data: it can be written and read with serde. RON and binary formats keep all bits; JSON does not,
 /// because serde_json rounds. What is damaged or of another format is an error when it is read, never a panic later. The
-/// memory of a GPU is written as that of the CPU: it is valid on any device, but the first step on a GPU after reading may
+/// memory of a GPU is written as that of the CPU: it is valid on any GPU, but the first step on a GPU after reading may
 /// differ in the last bits from that without a snapshot.
 ///
 /// A snapshot holds no bodies, only their states. To save a game, write a scene of the bodies (a `DynamicWorld`), and

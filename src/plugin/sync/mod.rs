@@ -78,7 +78,7 @@ pub(crate) struct Step {
     pub last_nested: NestedBodies,
     /// Kinematic bodies that move by their `Transform`.
     pub driven: DrivenBodies,
-    /// Scratch: half-spaces in their order.
+    /// Scratch: planes in their order.
     pub planes: Vec<planes::KeyedPlane>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
@@ -214,7 +214,7 @@ impl Step {
             && let Some(&entity) = fast.and_then(|collider| self.collected.bodies.get(collider))
         {
             info_once!(
-                "steps wait for the GPU in their midst because {entity} has ContinuousCollision, which runs on the CPU; their \
+                "the CPU waits for the GPU during a step because {entity} has ContinuousCollision, which runs on the CPU; \
                  results come as late as before"
             );
         }

@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3, Vec3};
 /// Where a shape that moves along a line first touches something of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneCastHit {
-    /// The number of the mesh or half-space.
+    /// The number of the mesh or plane.
     pub number: usize,
     /// How far the shape moves until it touches, metres; 0 if it touches or overlaps at the start.
     pub distance: f64,
@@ -17,7 +17,7 @@ pub struct SceneCastHit {
     pub point: DVec3,
     /// Unit vector from what is hit to the shape.
     pub normal: Vec3,
-    /// The face, an index of the input mesh. `None` on a half-space.
+    /// The face, an index of the source mesh. `None` on a plane.
     pub face: Option<u32>,
     /// The face of the shape if that is a mesh, unless the shape touches at the start.
     pub shape_face: Option<u32>,

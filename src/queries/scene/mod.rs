@@ -1,4 +1,4 @@
-//! [`Scene`]: many placed meshes and half-spaces, and questions to all of them.
+//! [`Scene`]: many placed meshes and planes, and queries of all of them.
 
 mod casts;
 mod points;
@@ -19,14 +19,14 @@ use glam::{DQuat, DVec3, Vec3};
 use std::sync::OnceLock;
 use tree::{Tree, WorldBox};
 
-/// Many placed meshes and half-spaces, numbered in the order in which they were added.
+/// Many placed meshes and planes, numbered in the order in which they were added.
 ///
-/// The first question after a change builds a tree over the meshes. Questions may come from several threads at a time. Each
+/// The first query after a change builds a tree over the meshes. Queries may come from several threads at a time. Each
 /// takes a filter: only what it returns true for counts.
 #[derive(Default)]
 pub struct Scene {
     items: Vec<Item>,
-    /// Numbers of the half-spaces.
+    /// Numbers of the planes.
     planes: Vec<u32>,
     tree: OnceLock<SceneTree>,
     /// The tree before the last change.
@@ -70,7 +70,7 @@ impl Scene {
         self.forget_tree();
     }
 
-    /// How many meshes and half-spaces there are.
+    /// How many meshes and planes there are.
     pub fn len(&self) -> usize {
         self.items.len()
     }
@@ -96,8 +96,8 @@ impl Scene {
         Ok(self.add(Item::Mesh(SceneMesh { mesh, pose })))
     }
 
-    /// Adds a solid half-space, the points `p` with `normal . p <= distance`, and returns its number. `normal` may have any
-    /// length but zero; `distance` is along the unit normal, metres.
+    /// Adds a plane and returns its number. The points `p` with `normal . p <= distance` are solid. `normal` may have any length
+    /// but zero; `distance` is along the unit normal, metres.
     ///
     /// # Errors
     /// If a number is not finite, or the normal is zero.
@@ -111,7 +111,7 @@ impl Scene {
         Ok(self.add(Item::Plane(SolidPlane { normal, distance })))
     }
 
-    /// The mesh of this number; `None` for a half-space and for numbers that were not given.
+    /// The mesh of this number; `None` for a plane and for numbers that were not given.
     pub fn placed(&self, number: usize) -> Option<Placed<'_>> {
         match self.items.get(number)? {
             Item::Mesh(mesh) => Some(mesh.placed()),
@@ -145,7 +145,7 @@ impl Scene {
         })
     }
 
-    /// The half-spaces with their numbers that pass a filter.
+    /// The planes with their numbers that pass a filter.
     fn planes<'s>(&'s self, filter: &'s impl Fn(usize) -> bool) -> impl Iterator<Item = (usize, SolidPlane)> + 's {
         self.planes
             .iter()

@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3, Vec3};
 /// The nearest point of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScenePointHit {
-    /// The number of the mesh or half-space.
+    /// The number of the mesh or plane.
     pub number: usize,
     /// The nearest point of the surface, in the world.
     pub point: DVec3,
@@ -17,9 +17,9 @@ pub struct ScenePointHit {
     pub distance: f64,
     /// As in [`PointHit`].
     pub normal: Vec3,
-    /// The face of the nearest point, an index of the input mesh. `None` on a half-space.
+    /// The face of the nearest point, an index of the source mesh. `None` on a plane.
     pub face: Option<u32>,
-    /// As in [`PointHit`]; zero on a half-space.
+    /// As in [`PointHit`]; zero on a plane.
     pub barycentric: Vec3,
     /// Whether the given point is inside.
     pub is_inside: bool,
@@ -56,7 +56,7 @@ impl Scene {
         nearest.hit()
     }
 
-    /// The numbers of the meshes and half-spaces that a shape with a pose overlaps, ascending. See
+    /// The numbers of the meshes and planes that a shape with a pose overlaps, ascending. See
     /// [`Placed::overlaps`](crate::queries::Placed::overlaps).
     pub fn overlapping(
         &self,

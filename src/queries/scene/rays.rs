@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 /// Where a ray hits something of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneRayHit {
-    /// The number of the mesh or half-space.
+    /// The number of the mesh or plane.
     pub number: usize,
     /// From the start of the ray, metres.
     pub distance: f64,
@@ -16,9 +16,9 @@ pub struct SceneRayHit {
     pub point: DVec3,
     /// Unit normal of the surface, on the side from which the ray comes.
     pub normal: Vec3,
-    /// The face, an index of the input mesh. `None` on a half-space.
+    /// The face, an index of the source mesh. `None` on a plane.
     pub face: Option<u32>,
-    /// As in [`RayHit`]; zero on a half-space.
+    /// As in [`RayHit`]; zero on a plane.
     pub barycentric: Vec3,
     /// Whether the ray comes from behind the surface.
     pub from_behind: bool,

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 /// How a segment lies beside the nearest surface of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneSegmentHit {
-    /// The number of the mesh or half-space.
+    /// The number of the mesh or plane.
     pub number: usize,
     /// As in [`SegmentHit`].
     pub distance: f64,
@@ -16,7 +16,7 @@ pub struct SceneSegmentHit {
     pub point: DVec3,
     /// As in [`SegmentHit`].
     pub normal: Vec3,
-    /// The face, an index of the input mesh. `None` on a half-space.
+    /// The face, an index of the source mesh. `None` on a plane.
     pub face: Option<u32>,
 }
 

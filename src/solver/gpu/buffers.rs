@@ -8,7 +8,7 @@ use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 /// Capacity of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolverCapacity {
-    /// Bodies and half-spaces.
+    /// Bodies and planes.
     pub bodies: u32,
     /// Touching pairs.
     pub pairs: u32,

@@ -7,7 +7,7 @@
 //! the same bits.
 //!
 //! The pairs of a colour go to 8 threads, or to 64 in islands of more than 128 pairs: a software driver pays for idle
-//! threads as much as for busy ones. A card does not, but there the time is that of the island with the longest chain of
+//! threads as much as for busy ones. A real GPU does not, but there the time is that of the island with the longest chain of
 //! points, one after the other, whatever the number of threads.
 //!
 //! Limits: an island of many thousands of pairs occupies one workgroup while the rest of the device is idle. A body with a
@@ -29,7 +29,7 @@
 //! origin is not lost to rounding. If there are more pairs or points than the lists hold, nothing is solved and
 //! `status` says so.
 //!
-//! Input buffers: `solver_bodies`, `motion_states` and `forces` hold the bodies, followed by the half-spaces. Impulses
+//! Input buffers: `solver_bodies`, `motion_states` and `forces` hold the bodies, followed by the planes. Impulses
 //! in `forces` are cleared. `new_numbers` maps the numbers that bodies had in the last collision substep to those of
 //! this one; `u32::MAX` marks bodies that are gone. `body_paces` has the number of each body's pace among `paces`, or
 //! `u32::MAX` if it is static or has completed its step: as on the CPU, each body has its own number of collision
@@ -54,7 +54,7 @@ use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
 /// Points times passes of an island in one part of all substeps that heavy loads make of one.
 ///
-/// On a card the points of a pair come one after the other. Without this limit a single island of 50 points with 16 times
+/// On a real GPU the points of a pair come one after the other. Without this limit a single island of 50 points with 16 times
 /// the substeps took a hundred milliseconds of a step. The CPU is much faster at a single island and has no such limit.
 const SUBSTEP_BUDGET: u32 = 4 * substep::PASS_BUDGET;
 

@@ -67,7 +67,7 @@ pub fn pace(settings: &SolverSettings, pace: Pace) -> layout::Pace {
     }
 }
 
-/// The properties of all colliders and their bodies, and of half-spaces.
+/// The properties of all colliders and their bodies, and of planes.
 pub fn bodies(bodies: &SolverBodies) -> Vec<layout::SolverBody> {
     let mut packed: Vec<_> = (0..).zip(&bodies.bodies).map(|(i, own)| body(i, own)).collect();
     for part in &bodies.parts {

@@ -14,7 +14,7 @@ use wgpu::Buffer;
 pub struct StepCapacity {
     /// Of contact generation.
     pub contacts: ContactCapacity,
-    /// Bodies and half-spaces.
+    /// Bodies and planes.
     pub bodies: u32,
     /// Points of touching pairs, in all collision substeps.
     pub touches: u32,

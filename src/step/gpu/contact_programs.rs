@@ -155,7 +155,7 @@ impl ContactPrograms {
         }
     }
 
-    /// Writes the lengths of the lists, and the numbers of bodies and half-spaces.
+    /// Writes the lengths of the lists, and the numbers of bodies and planes.
     pub fn write_limits(&self, commands: &mut Commands, known: &mut Known, bodies: u32, planes: u32, room: &Room) {
         let capacity = ContactCapacity {
             pairs: room.contact_pairs,

@@ -13,7 +13,7 @@
 //! | `reach` | how many collision substeps a step needs |
 //! | `buffers`, `contact_programs` | buffers and calls of steps with contact points |
 //! | `submit` | submission of a step |
-//! | `fast_bodies` | continuous collision, by the CPU in the midst of a step |
+//! | `fast_bodies` | continuous collision, by the CPU during a step |
 //! | `flight` | a step in flight |
 //! | `rest` | steps in which all bodies sleep |
 //! | `overflow` | repetition of steps whose lists overflowed |
@@ -148,7 +148,7 @@ const START: Capacity = Capacity {
     bodies: 255,
     compounds: 0,
     parts: 0,
-    // Lists of contact points have an element for each body and half-space.
+    // Lists of contact points have an element for each body and plane.
     planes: 0,
     pairs: 1024,
     hits: 4096,

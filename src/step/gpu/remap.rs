@@ -71,9 +71,9 @@ pub struct BodyRemap {
     pub bodies: Vec<(u32, u32)>,
     /// The same for each compound.
     pub compounds: Vec<CompoundRemap>,
-    /// For each collider of the last step, followed by the half-spaces, its new number; `u32::MAX` if it is gone.
+    /// For each collider of the last step, followed by the planes, its new number; `u32::MAX` if it is gone.
     pub new_numbers: Vec<u32>,
-    /// Whether the half-spaces differ.
+    /// Whether the planes differ.
     pub planes_changed: bool,
     /// Whether some collider has continuous collision.
     pub has_fast_bodies: bool,

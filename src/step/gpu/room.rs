@@ -15,7 +15,7 @@ pub struct Room {
     pub pairs: u32,
     /// Pairs of intersecting faces.
     pub hits: u32,
-    /// Contacts with half-spaces.
+    /// Contacts with planes.
     pub plane_contacts: u32,
     /// Pairs with contact points.
     pub contact_pairs: u32,

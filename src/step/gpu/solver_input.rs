@@ -24,7 +24,7 @@ pub struct SolverInput {
     /// The number for which there are commands.
     pub recorded_substeps: u32,
     bodies: Vec<layout::SolverBody>,
-    /// Number of half-spaces, which are the last of them.
+    /// Number of planes, which are the last of them.
     planes: u32,
     large_meshes: bool,
     host_states: Vec<layout::MotionState>,
@@ -46,7 +46,7 @@ pub struct HostSpeeds {
 }
 
 impl SolverInput {
-    /// Packs the bodies and half-spaces of `state`. Bodies whose velocity carries over, by `carried`, which has an entry for
+    /// Packs the bodies and planes of `state`. Bodies whose velocity carries over, by `carried`, which has an entry for
     /// each collider and then for each compound, have at most
     /// `speeds`, plus what the host adds. The velocities of [`BodyRemap::slowed`] must be known. `recent` suggests for how
     /// many collision substeps commands are recorded.
@@ -187,7 +187,7 @@ impl SolverInput {
         &self.remap.compounds
     }
 
-    /// The numbers on which calls depend; half-spaces count as bodies too.
+    /// The numbers on which calls depend; planes count as bodies too.
     pub fn population(&self) -> Population {
         Population {
             bodies: self.body_count(),
@@ -207,22 +207,22 @@ impl SolverInput {
         &self.remap.fast
     }
 
-    /// Number of bodies and half-spaces.
+    /// Number of bodies and planes.
     pub fn body_count(&self) -> u32 {
         self.bodies.len() as u32
     }
 
-    /// Whether the half-spaces differ from those of the last step.
+    /// Whether the planes differ from those of the last step.
     pub fn planes_changed(&self) -> bool {
         self.remap.planes_changed
     }
 
-    /// Whether bodies and half-spaces have the numbers that they had in the last step.
+    /// Whether bodies and planes have the numbers that they had in the last step.
     pub fn same_numbers(&self) -> bool {
         self.remap.new_numbers.iter().copied().eq(0..self.body_count())
     }
 
-    /// Number of bodies and half-spaces in the last step.
+    /// Number of bodies and planes in the last step.
     pub fn old_bodies(&self) -> u32 {
         self.remap.new_numbers.len() as u32
     }

@@ -129,7 +129,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// Packs the bodies, half-spaces and settings of `state`. `carried` has an entry for each collider and then
+    /// Packs the bodies, planes and settings of `state`. `carried` has an entry for each collider and then
     /// for each compound, or is empty.
     pub fn new(state: &StepInput, carried: &[Option<Carried>]) -> Self {
         let StepInput {
@@ -213,7 +213,7 @@ impl Input {
         self.step.has_fast_bodies != 0
     }
 
-    /// Number of bodies and half-spaces in the last step.
+    /// Number of bodies and planes in the last step.
     pub(super) fn old_bodies(&self) -> u32 {
         self.solver.as_ref().map_or(0, SolverInput::old_bodies)
     }
@@ -238,7 +238,7 @@ impl Input {
         }
     }
 
-    /// How many of these pairs of intersecting faces are listed.
+    /// How many of these intersecting face pairs are listed.
     pub(super) fn listed_hits(&self, hits: u32) -> u32 {
         if self.face_lists { hits } else { 0 }
     }
@@ -258,7 +258,7 @@ impl Input {
         &self.bodies
     }
 
-    /// All half-spaces.
+    /// All planes.
     pub(crate) fn planes(&self) -> &[layout::Plane] {
         &self.planes
     }

@@ -1,4 +1,4 @@
-//! Contacts of bodies that penetrate half-spaces.
+//! Contacts of bodies that penetrate planes.
 
 use crate::parallel::in_order::InOrder;
 use crate::simd::lanes::{SimdBase, bitmask, bits, dot, lane_of, load_points, splat, splat_point};

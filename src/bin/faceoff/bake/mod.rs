@@ -31,7 +31,7 @@ pub struct Options {
     /// Folder for the baked files; created if it does not exist.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Also bake the table of faces of collision, which takes seconds. The exact mode does not need it.
+    /// Also bake the face table, which takes seconds. The exact mode does not need it.
     #[arg(long)]
     faces: bool,
     /// Angular step of the face table in degrees; must divide 90 [default: 1].
