@@ -122,7 +122,7 @@ pub fn pieces_that_do_not_fit_ask_for_nothing(gpu: &Gpu) {
     let mut scene = two(&shapes::ball(0.5, 5), Vec3::new(0.9, 0.1, 0.05), Response::None);
     // Other pairs, which barely touch at first.
     for z in [2.0, 4.0, 6.0] {
-        for mut body in [scene.bodies[0].clone(), scene.bodies[1].clone()] {
+        for mut body in [scene.bodies[0], scene.bodies[1]] {
             body.position.x *= 1.1;
             body.position.z += z;
             scene.bodies.push(body);
