@@ -72,6 +72,11 @@ impl WarmStart {
         self.pairs.len()
     }
 
+    /// Whether the colliders with these keys had contact points.
+    pub(crate) fn has(&self, keys: [u64; 2]) -> bool {
+        self.find(keys).is_some()
+    }
+
     /// The last contact between the colliders with these keys.
     pub(super) fn find(&self, keys: [u64; 2]) -> Option<LastContact<'_>> {
         let sorted = sorted(keys);

@@ -83,7 +83,7 @@ pub(super) fn filter_pairs(step: &mut StepState, number: u32, hooks: &mut dyn St
     left_out.planes.clear();
     left_out.keys.clear();
     left_out.changed.clear();
-    let before = &mut memory.left_out;
+    let (before, warm) = (&mut memory.left_out, &memory.warm);
     let StepInput { bodies, planes, .. } = &*input;
     let colliders = bodies.params.iter().any(|params| filters(params.hooks));
     if !colliders && !planes.iter().any(|plane| filters(plane.hooks)) {
@@ -102,7 +102,9 @@ pub(super) fn filter_pairs(step: &mut StepState, number: u32, hooks: &mut dyn St
         if !is_tested {
             left_out.keys.push(keys);
         }
-        if is_tested == before.binary_search(&keys).is_ok() {
+        let was_left_out = before.binary_search(&keys).is_ok();
+        // What passes a sleeper and is left out changes nothing for it, unless the two had contact points.
+        if is_tested && was_left_out || !is_tested && !was_left_out && warm.has(keys) {
             left_out.changed.push(pair);
         }
         is_tested

@@ -216,6 +216,24 @@ pub fn a_sleeper_beside_a_ghost_sleeps_on() {
     }
 }
 
+/// A member of its team flies through a crate that sleeps.
+pub fn a_sleeper_sleeps_on_when_a_friend_passes_through() {
+    let mut sim = with_rules();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let floor = Transform::from_xyz(0.0, -0.5, 0.0).with_scale(FLOOR);
+    sim.spawn((cube.clone(), floor));
+    let body = sim.spawn((resting(&cube, Vec3::Y * 0.5), Team(1)));
+    let friend = sim.spawn((resting(&cube, Vec3::new(-20.0, 0.8, 0.0)), Team(1), GravityScale(0.0)));
+    sim.set(friend, LinearVelocity(Vec3::X * 10.0));
+    sim.step(64);
+    assert!(sim.get::<Sleeping>(body).0);
+    for _ in 0..128 {
+        sim.step(1);
+        assert!(sim.get::<Sleeping>(body).0, "the friend is at {}", sim.position(friend));
+    }
+    assert!(sim.position(friend).x > 5.0);
+}
+
 /// A crate sleeps on a floor of another team. When the floor changes sides, the crate wakes and falls; so it does on a
 /// plane.
 pub fn a_sleeper_wakes_when_the_filter_changes_its_mind() {

@@ -164,6 +164,7 @@ tests_of! {
     friends_pass_through_each_other_and_foes_do_not
     a_sleeper_wakes_when_the_filter_changes_its_mind
     a_sleeper_beside_a_ghost_sleeps_on
+    a_sleeper_sleeps_on_when_a_friend_passes_through
 }
 
 tests_of! {
