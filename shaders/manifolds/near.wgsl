@@ -77,30 +77,40 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
     }
     workgroupBarrier();
-    let count = descend(setup, a, b, thread, t::NOTHING);
-    if thread == 0u {
-        base = atomicAdd(&contact_counters[t::NEAR_TRIANGLES], count);
-        let fits = base <= limits.near_triangles && count <= limits.near_triangles - base;
-        let first = select(t::NOTHING, base, fits);
-        let held = select(0u, count, fits);
+    var first = t::NOTHING;
+    // A loop of two rounds, so that compilers do not write `descend` twice, with two ways of rounding.
+    for (var round = 0u; round < 2u; round += 1u) {
+        let count = descend(setup, a, b, thread, first);
+        if round == 0u {
+            if thread == 0u {
+                base = reserve(number, count);
+            }
+            first = workgroupUniformLoad(&base);
+            if first == t::NOTHING {
+                return;
+            }
+            if agree(thread, leaf_count) <= MAX_LEAVES {
+                write_leaves(thread, first);
+                return;
+            }
+        }
+    }
+}
+
+// The place of the pairs that were counted; `NOTHING` if there are none or they do not fit.
+fn reserve(number: u32, count: u32) -> u32 {
+    let next = atomicAdd(&contact_counters[t::NEAR_TRIANGLES], count);
+    let fits = next <= limits.near_triangles && count <= limits.near_triangles - next;
+    let first = select(t::NOTHING, next, fits);
+    let held = select(0u, count, fits);
 #ifdef PIECES
-        near_pieces[number].first_near = first;
-        near_pieces[number].near_count = held;
+    near_pieces[number].first_near = first;
+    near_pieces[number].near_count = held;
 #else
-        pair_setups[number].first_near = first;
-        pair_setups[number].near_count = held;
+    pair_setups[number].first_near = first;
+    pair_setups[number].near_count = held;
 #endif
-        base = select(t::NOTHING, first, held > 0u);
-    }
-    let first = workgroupUniformLoad(&base);
-    if first == t::NOTHING {
-        return;
-    }
-    if agree(thread, leaf_count) > MAX_LEAVES {
-        descend(setup, a, b, thread, first);
-    } else {
-        write_leaves(thread, first);
-    }
+    return select(t::NOTHING, first, held > 0u);
 }
 
 // Writes the pairs of triangles in `near_leaves`.

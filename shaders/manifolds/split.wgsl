@@ -38,29 +38,40 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if thread < 2u {
         tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
     }
-    let found = descend(setup, index, a, b, thread, t::NOTHING);
-    let count = select(0u, found, was_split || found > split::FEW);
-    if thread == 0u {
-        base = t::NOTHING;
-        if count > 0u {
-            let before = select(0u, atomicLoad(&contact_counters[t::NEAR_PIECES]), deep);
-            let own = atomicAdd(&contact_counters[select(t::NEAR_PIECES, t::DEEP_PIECES, deep)], count);
-            let first = before + own;
-            if first <= limits.pieces && count <= limits.pieces - first {
-                base = first;
-                let groups = rows(own + count);
-                atomicMax(&near_arguments[3u * constants.x], groups.x);
-                atomicMax(&near_arguments[3u * constants.x + 1u], groups.y);
+    var first = t::NOTHING;
+    // A loop of two rounds, so that compilers do not write `descend` twice, with two ways of rounding.
+    for (var round = 0u; round < 2u; round += 1u) {
+        let found = descend(setup, index, a, b, thread, first);
+        if round == 0u {
+            if thread == 0u {
+                base = reserve(index, select(0u, found, was_split || found > split::FEW), deep);
+            }
+            first = workgroupUniformLoad(&base);
+            if first == t::NOTHING {
+                return;
             }
         }
-        pair_setups[index].is_split = u32(count > 0u);
-        pair_setups[index].first_near = base;
-        pair_setups[index].near_count = select(count, 0u, base == t::NOTHING);
     }
-    let first = workgroupUniformLoad(&base);
-    if first != t::NOTHING {
-        descend(setup, index, a, b, thread, first);
+}
+
+// The place of a pair's pieces; `NOTHING` if it has none or they do not fit.
+fn reserve(index: u32, count: u32, deep: bool) -> u32 {
+    var first = t::NOTHING;
+    if count > 0u {
+        let before = select(0u, atomicLoad(&contact_counters[t::NEAR_PIECES]), deep);
+        let own = atomicAdd(&contact_counters[select(t::NEAR_PIECES, t::DEEP_PIECES, deep)], count);
+        let next = before + own;
+        if next <= limits.pieces && count <= limits.pieces - next {
+            first = next;
+            let groups = rows(own + count);
+            atomicMax(&near_arguments[3u * constants.x], groups.x);
+            atomicMax(&near_arguments[3u * constants.x + 1u], groups.y);
+        }
     }
+    pair_setups[index].is_split = u32(count > 0u);
+    pair_setups[index].first_near = first;
+    pair_setups[index].near_count = select(count, 0u, first == t::NOTHING);
+    return first;
 }
 
 // Counts the pieces and, unless `first` is `NOTHING`, writes them from there on.

@@ -30,26 +30,37 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if thread < 2u {
         tree::survey(thread, select(pair.mesh_a, pair.mesh_b, thread == 1u));
     }
-    let found = descend(index, pair, thread, t::NOTHING);
-    let count = select(0u, found, found > split::FEW);
-    if thread == 0u {
-        base = t::NOTHING;
-        if count > 0u {
-            let first = atomicAdd(&counters[t::PIECES], count);
-            if first <= step.piece_capacity && count <= step.piece_capacity - first {
-                base = first;
-                let groups = rows(first + count);
-                atomicMax(&piece_arguments[0], groups.x);
-                atomicMax(&piece_arguments[1], groups.y);
+    var first = t::NOTHING;
+    // A loop of two rounds, so that compilers do not write `descend` twice, with two ways of rounding.
+    for (var round = 0u; round < 2u; round += 1u) {
+        let found = descend(index, pair, thread, first);
+        if round == 0u {
+            if thread == 0u {
+                base = reserve(index, select(0u, found, found > split::FEW));
+            }
+            first = workgroupUniformLoad(&base);
+            if first == t::NOTHING {
+                return;
             }
         }
-        results[index].first_piece = base;
-        results[index].pieces = count;
     }
-    let first = workgroupUniformLoad(&base);
-    if first != t::NOTHING {
-        descend(index, pair, thread, first);
+}
+
+// The place of a pair's pieces; `NOTHING` if it has none or they do not fit.
+fn reserve(index: u32, count: u32) -> u32 {
+    var first = t::NOTHING;
+    if count > 0u {
+        let next = atomicAdd(&counters[t::PIECES], count);
+        if next <= step.piece_capacity && count <= step.piece_capacity - next {
+            first = next;
+            let groups = rows(next + count);
+            atomicMax(&piece_arguments[0], groups.x);
+            atomicMax(&piece_arguments[1], groups.y);
+        }
     }
+    results[index].first_piece = first;
+    results[index].pieces = count;
+    return first;
 }
 
 // Counts the pieces and, unless `first` is `NOTHING`, writes them from there on.
