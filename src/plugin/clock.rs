@@ -158,11 +158,16 @@ pub(crate) fn tick(world: &mut World) {
     } else {
         (std::mem::take(&mut clock.requested), timestep)
     };
-    if paused && !advanced_by.is_zero() {
+    let is_advanced = paused && !advanced_by.is_zero();
+    if is_advanced {
         run(world);
     }
     for _ in 0..steps {
         // The device may be lost in an earlier step. Then bodies stop, and so does the clock.
+    #[cfg(feature = "gpu")]
+    {
+        world.resource_mut::<Step>().stands = !is_advanced && steps == 0;
+    }
         if !world.resource::<Step>().engine.runs() {
             break;
         }

@@ -220,6 +220,15 @@ pub fn gpu(world: &World) -> Option<&Gpu> {
     world.get_resource::<Step>()?.engine.device()
 }
 
+/// At which part of the way between the two [`poses`] to draw in this frame, from 0 to 1: at that which
+/// `Time<Fixed>::overstep_fraction` tells, or at the end while the clock of physics is paused, because fixed time goes on.
+#[cfg(feature = "gpu")]
+pub fn drawn_part(world: &World) -> f32 {
+    let stands = world.get_resource::<Step>().is_some_and(|step| step.stands);
+    let fixed = world.get_resource::<Time<Fixed>>().filter(|_| !stands);
+    fixed.map_or(1.0, Time::overstep_fraction)
+}
+
 /// The poses of all colliders on the GPU, for shaders that draw them without reading results back: buffers with the poses
 /// before and after the last submitted step, and the entities in the same order.
 ///
