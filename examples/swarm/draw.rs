@@ -22,7 +22,7 @@ use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery
 use bevy::render::view::{ExtractedView, ViewDepthTexture, ViewTarget, ViewUniform, ViewUniformOffset, ViewUniforms};
 use bevy::render::{ExtractSchedule, MainWorld, RenderApp, RenderStartup};
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::plugin::{Poses, poses};
+use bevy_faceoff::plugin::{Poses, drawn_part, poses};
 
 /// Adds the drawing to the renderer.
 pub fn add_to(app: &mut App) {
@@ -95,8 +95,7 @@ fn copy_poses(
             return;
         }
     };
-    let part = main.resource::<Time<Fixed>>().overstep_fraction();
-    queue.write_buffer(&swarm.part, 0, &part.to_le_bytes());
+    queue.write_buffer(&swarm.part, 0, &drawn_part(&main).to_le_bytes());
     let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(poses.previous, 0, &swarm.before, 0, sizes[0]);
     encoder.copy_buffer_to_buffer(poses.current, 0, &swarm.after, 0, sizes[1]);

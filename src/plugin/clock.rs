@@ -89,6 +89,8 @@ pub trait PhysicsTime {
     /// smooth, and fast motion costs more but is as accurate. At integer speeds steps give the same results to the bit
     /// as at 1.
     ///
+    /// At 0 no step runs, and pending results of a GPU are published as by [`PhysicsTime::pause`].
+    ///
     /// A speed that is negative, not finite or above [`MAX_SPEED`] is rejected: the old speed stays, and an error is
     /// logged.
     fn set_relative_speed(&mut self, speed: f32);
@@ -158,8 +160,13 @@ pub(crate) fn tick(world: &mut World) {
     } else {
         (std::mem::take(&mut clock.requested), timestep)
     };
-    if paused && !advanced_by.is_zero() {
+    let is_advanced = paused && !advanced_by.is_zero();
+    if is_advanced {
         run(world);
+    }
+    #[cfg(feature = "gpu")]
+    {
+        world.resource_mut::<Step>().stands = !is_advanced && steps == 0;
     }
     for _ in 0..steps {
         // The device may be lost in an earlier step. Then bodies stop, and so does the clock.
@@ -169,7 +176,7 @@ pub(crate) fn tick(world: &mut World) {
         world.resource_mut::<Time<Physics>>().advance_by(length);
         run(world);
     }
-    if paused {
+    if paused || steps == 0 {
         settle(world);
     }
 }

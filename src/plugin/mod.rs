@@ -66,4 +66,4 @@ pub use groups::{CollisionMeshPlugin, FaceoffHeadlessPlugins, FaceoffPlugins};
 pub use schedule::{FaceoffStep, FaceoffSystems};
 pub use step_plugin::{StepPlugin, threads};
 #[cfg(feature = "gpu")]
-pub use step_plugin::{gpu, poses};
+pub use step_plugin::{drawn_part, gpu, poses};

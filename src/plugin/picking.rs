@@ -1,7 +1,6 @@
 //! Bevy's pointer events on colliders: [`ColliderPickingPlugin`]. Needs the feature `bevy_picking`.
 //!
 //! ```no_run
-//! use bevy::picking::DefaultPickingPlugins;
 //! use bevy::prelude::*;
 //! use bevy_faceoff::plugin::picking::ColliderPickingPlugin;
 //! use bevy_faceoff::prelude::*;
@@ -19,13 +18,13 @@
 //! }
 //!
 //! App::new()
-//!     .add_plugins((DefaultPlugins, DefaultPickingPlugins, FaceoffPlugins::default()))
-//!     .add_plugins(ColliderPickingPlugin)
+//!     .add_plugins((DefaultPlugins, FaceoffPlugins::default(), ColliderPickingPlugin))
 //!     .run();
 //! ```
 
-use super::queries::{SpatialQuery, SpatialQueryFilter};
+use super::queries::{SpatialQuery, SpatialQueryFilter, update_while_time_stands};
 use bevy::camera::Camera;
+use bevy::ecs::entity::Entities;
 use bevy::picking::PickingSystems;
 use bevy::picking::backend::prelude::*;
 use bevy::prelude::*;
@@ -38,6 +37,9 @@ use serde::{Deserialize, Serialize};
 /// normal in the world, the distance from the near plane of the camera, and a [`RayHitData`], which
 /// `HitData::extra_as` gives: the face, for example. Bevy's `Pickable` decides whether a collider gets events, and whether
 /// those behind it do.
+///
+/// Colliders are where they were after the last step, or, while the clock of physics or of the game is paused, where their
+/// components are.
 pub struct ColliderPickingPlugin;
 
 /// Which colliders get pointer events.
@@ -68,7 +70,10 @@ impl Plugin for ColliderPickingPlugin {
             .register_type::<ColliderPickingCamera>()
             // Bevy's plugins add it too, if there are any.
             .add_message::<PointerHits>()
-            .add_systems(PreUpdate, pick.in_set(PickingSystems::Backend));
+            .add_systems(
+                PreUpdate,
+                (update_while_time_stands, pick).chain().in_set(PickingSystems::Backend),
+            );
     }
 }
 
@@ -77,6 +82,7 @@ fn pick(
     rays: Option<Res<RayMap>>,
     cameras: Query<(&Camera, Option<&ColliderPickingCamera>)>,
     pickables: Query<&Pickable>,
+    entities: &Entities,
     world: SpatialQuery,
     mut pointer_hits: MessageWriter<PointerHits>,
 ) {
@@ -93,9 +99,10 @@ fn pick(
             continue;
         }
         let filter = &picking.unwrap_or(&by_default).0;
+        // A collider may be gone since the last step.
         let is_wanted = |collider| match pickables.get(collider) {
             Ok(pickable) => pickable.is_hoverable || pickable.should_block_lower,
-            Err(_) => !settings.require_markers,
+            Err(_) => !settings.require_markers && entities.contains_spawned(collider),
         };
         let mut picks: Vec<(Entity, HitData)> = Vec::new();
         // The nearest one, and those behind it as far as they get events.

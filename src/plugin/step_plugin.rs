@@ -72,70 +72,78 @@ impl Plugin for StepPlugin {
             }
         }
 
-        let mut schedule = Schedule::new(FaceoffStep);
-        schedule
-            .set_executor(SingleThreadedExecutor::new())
-            .set_build_settings(ScheduleBuildSettings {
-                ambiguity_detection: LogLevel::Warn,
-                ..default()
-            })
-            .configure_sets(
-                (
-                    FaceoffSystems::Collect,
-                    FaceoffSystems::BroadPhase,
-                    FaceoffSystems::Angles,
-                    FaceoffSystems::TriangleTest,
-                    FaceoffSystems::Manifolds,
-                    FaceoffSystems::ForceScan,
-                    FaceoffSystems::Integrate,
-                    FaceoffSystems::Publish,
-                    FaceoffSystems::Respond,
-                )
-                    .chain(),
-            )
-            .add_systems((
-                (poll_backend.run_if(clock::is_by_hand), clock::begin)
-                    .chain()
-                    .before(FaceoffSystems::Collect)
-                    .ambiguous_with_all(),
-                collect::collect.in_set(FaceoffSystems::Collect),
-                publish::choose_place
-                    .in_set(FaceoffSystems::Collect)
-                    .after(collect::collect)
-                    .ambiguous_with_all(),
-                (
-                    (publish::use_up_impulses, publish::use_up_teleports),
-                    publish::find_written,
-                    publish::write_back,
-                    publish::publish,
-                    publish::report_failure,
-                    clock::settle.run_if(clock::was_by_hand),
-                )
-                    .chain()
-                    .in_set(FaceoffSystems::Publish),
-                clock::end.after(FaceoffSystems::Respond).ambiguous_with_all(),
-            ));
-        for stage in Stage::ALL {
-            let run = hooks::run_without_hooks(stage);
-            schedule.add_systems(run.in_set(FaceoffSystems::from(stage)).ambiguous_with_all());
-        }
+        // Plugins of a game may have added systems to the schedule.
+        app.init_schedule(FaceoffStep)
+            .edit_schedule(FaceoffStep, build_schedule);
         #[cfg(feature = "gpu")]
         {
-            let release = release::release.after(collect::collect).before(publish::choose_place);
-            schedule.add_systems(release.in_set(FaceoffSystems::Collect));
             latent::observe(app);
             let after = RunFixedMainLoopSystems::AfterFixedMainLoop;
             let publish = publish_while_time_stands.in_set(FaceoffStep).in_set(after);
             app.add_systems(RunFixedMainLoop, publish);
         }
         let hold = hierarchy::hold_nested.before(bevy::transform::TransformSystems::Propagate);
-        app.add_schedule(schedule)
-            .add_systems(FixedPostUpdate, run_step.in_set(FaceoffStep))
+        app.add_systems(FixedPostUpdate, run_step.in_set(FaceoffStep))
             .add_systems(PostUpdate, hold);
     }
 
     fn finish(&self, app: &mut App) {
         choose(app.world_mut());
+    }
+}
+
+/// Adds the stages.
+fn build_schedule(schedule: &mut Schedule) {
+    schedule
+        .set_executor(SingleThreadedExecutor::new())
+        .set_build_settings(ScheduleBuildSettings {
+            ambiguity_detection: LogLevel::Warn,
+            ..default()
+        })
+        .configure_sets(
+            (
+                FaceoffSystems::Collect,
+                FaceoffSystems::BroadPhase,
+                FaceoffSystems::Angles,
+                FaceoffSystems::TriangleTest,
+                FaceoffSystems::Manifolds,
+                FaceoffSystems::ForceScan,
+                FaceoffSystems::Integrate,
+                FaceoffSystems::Publish,
+                FaceoffSystems::Respond,
+            )
+                .chain(),
+        )
+        .add_systems((
+            (poll_backend.run_if(clock::is_by_hand), clock::begin)
+                .chain()
+                .before(FaceoffSystems::Collect)
+                .ambiguous_with_all(),
+            collect::collect.in_set(FaceoffSystems::Collect),
+            publish::choose_place
+                .in_set(FaceoffSystems::Collect)
+                .after(collect::collect)
+                .ambiguous_with_all(),
+            (
+                (publish::use_up_impulses, publish::use_up_teleports),
+                publish::find_written,
+                publish::write_back,
+                publish::publish,
+                publish::report_failure,
+                clock::settle.run_if(clock::was_by_hand),
+            )
+                .chain()
+                .in_set(FaceoffSystems::Publish),
+            clock::end.after(FaceoffSystems::Respond).ambiguous_with_all(),
+        ));
+    for stage in Stage::ALL {
+        let run = hooks::run_without_hooks(stage);
+        schedule.add_systems(run.in_set(FaceoffSystems::from(stage)).ambiguous_with_all());
+    }
+    #[cfg(feature = "gpu")]
+    {
+        let release = release::release.after(collect::collect).before(publish::choose_place);
+        schedule.add_systems(release.in_set(FaceoffSystems::Collect));
     }
 }
 
@@ -210,6 +218,15 @@ pub fn threads(world: &World) -> usize {
 #[cfg(feature = "gpu")]
 pub fn gpu(world: &World) -> Option<&Gpu> {
     world.get_resource::<Step>()?.engine.device()
+}
+
+/// At which part of the way between the two [`poses`] to draw in this frame, from 0 to 1: at that which
+/// `Time<Fixed>::overstep_fraction` tells, or at the end while the clock of physics is paused, because fixed time goes on.
+#[cfg(feature = "gpu")]
+pub fn drawn_part(world: &World) -> f32 {
+    let stands = world.get_resource::<Step>().is_some_and(|step| step.stands);
+    let fixed = world.get_resource::<Time<Fixed>>().filter(|_| !stands);
+    fixed.map_or(1.0, Time::overstep_fraction)
 }
 
 /// The poses of all colliders on the GPU, for shaders that draw them without reading results back: buffers with the poses

@@ -555,6 +555,34 @@ fn a_plane_is_a_grid_about_the_place_of_its_entity() {
 }
 
 #[test]
+fn lists_of_faces_are_made_only_while_they_are_drawn() {
+    let enable = |app: &mut App, enabled| {
+        let mut store = app.world_mut().resource_mut::<GizmoConfigStore>();
+        store.config_mut::<FaceoffGizmos>().0.enabled = enabled;
+    };
+    for wanted in [false, true] {
+        let mut app = app(true);
+        show(&mut app, |_| {});
+        app.update();
+        app.insert_resource(FaceLists(wanted));
+        let lists = |app: &mut App| {
+            app.update();
+            *app.world().resource::<FaceLists>()
+        };
+        assert_eq!(lists(&mut app), FaceLists(wanted));
+        show(&mut app, |g| g.intersections = Some(Color::WHITE));
+        assert_eq!(lists(&mut app), FaceLists(true));
+        assert_eq!(lists(&mut app), FaceLists(true));
+        show(&mut app, |g| g.contacts = Some(Color::WHITE));
+        assert_eq!(lists(&mut app), FaceLists(wanted));
+        show(&mut app, |g| g.intersections = Some(Color::WHITE));
+        assert_eq!(lists(&mut app), FaceLists(true));
+        enable(&mut app, false);
+        assert_eq!(lists(&mut app), FaceLists(wanted));
+    }
+}
+
+#[test]
 fn without_bevys_gizmos_nothing_happens() {
     let mut app = app(false);
     app.update();

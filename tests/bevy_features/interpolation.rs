@@ -4,7 +4,9 @@ use crate::app::{DT, STEP, Sim, ball_like, resting};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::plugin::interpolation::{NoTransformEasing, TransformInterpolation};
+use bevy_faceoff::plugin::interpolation::{
+    NoTransformEasing, RotationInterpolation, TransformInterpolation, TranslationInterpolation,
+};
 use bevy_faceoff::prelude::*;
 use std::time::Duration;
 
@@ -69,14 +71,15 @@ fn what_is_placed_appears_there_at_once() {
             }
         }
     }
-    for in_step in [false, true] {
+    let schedules: [(&str, fn(&mut App)); _] = [
+        ("Update", |app| _ = app.add_systems(Update, place)),
+        ("FixedUpdate", |app| _ = app.add_systems(FixedUpdate, place)),
+        ("FixedLast", |app| _ = app.add_systems(FixedLast, place)),
+    ];
+    for (name, add_system) in schedules {
         let mut sim = fast();
         sim.app.insert_resource(Target(None));
-        if in_step {
-            sim.app.add_systems(FixedUpdate, place);
-        } else {
-            sim.app.add_systems(Update, place);
-        }
+        add_system(&mut sim.app);
         let cube = sim.mesh(&shapes::cube(1.0));
         for kind in [RigidBody::Dynamic, RigidBody::Kinematic] {
             let body = sim.spawn((ball_like(&cube, Vec3::ZERO, Vec3::X), TransformInterpolation));
@@ -89,7 +92,7 @@ fn what_is_placed_appears_there_at_once() {
                 let height = pose(&sim, body).translation.y;
                 // Halfway between equal heights is rounded.
                 let is_there = (height - THERE.y).abs() < 1e-4;
-                assert!(height == 0.0 || is_there, "in a step: {in_step}: {height}");
+                assert!(height == 0.0 || is_there, "placed in {name}: {height}");
                 assert!(!arrived || is_there);
                 arrived = is_there;
             }
@@ -141,7 +144,7 @@ fn steps_are_the_same_to_the_bit() {
 /// What is drawn between two steps is no placement, which would end touches at once.
 #[test]
 fn a_bouncing_ball_starts_and_ends_no_collision_more_often() {
-    let ends = |interpolated: bool| {
+    let ends = |interpolate: fn(&mut EntityWorldMut)| {
         let mut sim = fast();
         sim.world().insert_resource(Gravity::default());
         sim.spawn((PlaneCollider::through(Vec3::ZERO, Vec3::Y), Restitution::new(1.0)));
@@ -149,9 +152,7 @@ fn a_bouncing_ball_starts_and_ends_no_collision_more_often() {
         sim.world().insert_resource(EventHysteresis(0.5));
         // It flies for a fifth of a second.
         let ball = sim.spawn(ball_like(&ball, Vec3::Y * 0.55, Vec3::ZERO));
-        if interpolated {
-            sim.set(ball, TransformInterpolation);
-        }
+        interpolate(&mut sim.world().entity_mut(ball));
         while sim.report().step < 150 {
             sim.step(1);
         }
@@ -161,8 +162,15 @@ fn a_bouncing_ball_starts_and_ends_no_collision_more_often() {
         );
         (sim.started.len(), sim.ended.len())
     };
-    assert_eq!(ends(false), (1, 0));
-    assert_eq!(ends(true), (1, 0));
+    let interpolations: [fn(&mut EntityWorldMut); _] = [
+        |_| {},
+        |ball| _ = ball.insert(TransformInterpolation),
+        |ball| _ = ball.insert(TranslationInterpolation),
+        |ball| _ = ball.insert(RotationInterpolation),
+    ];
+    for interpolate in interpolations {
+        assert_eq!(ends(interpolate), (1, 0));
+    }
 }
 
 #[test]

@@ -23,6 +23,8 @@ mod debug_panel;
 #[path = "../common/gltf_files.rs"]
 mod gltf_files;
 #[cfg(feature = "interpolation")]
+mod interpolated_writes;
+#[cfg(feature = "interpolation")]
 mod interpolation;
 #[cfg(feature = "bevy_picking")]
 mod picking;

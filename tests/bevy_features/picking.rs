@@ -95,3 +95,46 @@ fn pickable_and_the_camera_decide_what_is_hit() {
     sim.world().entity_mut(camera).remove::<ColliderPickingCamera>();
     assert_eq!(entities(&mut sim), []);
 }
+
+/// As in an editor.
+#[test]
+fn while_the_clock_is_paused_colliders_are_picked_where_they_are() {
+    for pause in [pause_physics as fn(&mut Sim), pause_all] {
+        let (mut sim, _) = app();
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let back = sim.spawn((cube.clone(), Transform::default()));
+        assert_eq!(entities(&mut sim), [back]);
+        pause(&mut sim);
+        let front = sim.spawn((cube, Transform::from_xyz(0.0, 0.0, 2.0)));
+        assert_eq!(entities(&mut sim), [front]);
+        sim.set(front, Transform::from_xyz(5.0, 0.0, 2.0));
+        assert_eq!(entities(&mut sim), [back]);
+        sim.set(front, Transform::from_xyz(0.0, 0.0, 2.0));
+        assert_eq!(entities(&mut sim), [front]);
+        sim.world().despawn(front);
+        assert_eq!(entities(&mut sim), [back]);
+    }
+}
+
+fn pause_physics(sim: &mut Sim) {
+    sim.world().resource_mut::<Time<Physics>>().pause();
+}
+
+fn pause_all(sim: &mut Sim) {
+    sim.world().resource_mut::<Time<Virtual>>().pause();
+}
+
+#[test]
+fn a_collider_that_is_gone_blocks_no_pointer() {
+    let (mut sim, _) = app();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let back = sim.spawn((cube.clone(), Transform::default()));
+    let front = sim.spawn((cube, Transform::from_xyz(0.0, 0.0, 2.0)));
+    assert_eq!(entities(&mut sim), [front]);
+    // Before the next step.
+    sim.world().despawn(front);
+    sim.step(1);
+    let hits: Vec<_> = sim.world().resource_mut::<Messages<PointerHits>>().drain().collect();
+    let picks = hits.last().expect("a pointer hits").picks.iter();
+    assert_eq!(picks.map(|(entity, _)| *entity).collect::<Vec<_>>(), [back]);
+}

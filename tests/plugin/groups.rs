@@ -6,6 +6,7 @@ use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::plugin::diagnostics::{COUNTS, stage_path};
+use bevy_faceoff::plugin::queries::SpatialQueryPlugin;
 use bevy_faceoff::prelude::*;
 use bevy_faceoff::types::stage::Stage;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -158,6 +159,44 @@ fn the_diagnostics_can_be_left_out() {
     ));
     let (poses, ..) = meet(Sim::of(app));
     assert_eq!(poses, meet(Sim::new()).0);
+}
+
+#[test]
+fn the_step_or_the_questions_can_be_left_out() {
+    fn ask(world: SpatialQuery, mut hits: Local<Vec<RayHitData>>) {
+        *hits = world.ray_hits(Vec3::ZERO, Dir3::X, 1.0, &SpatialQueryFilter::default());
+    }
+    let plugins = || FaceoffHeadlessPlugins::default().build();
+    for plugins in [
+        plugins().disable::<StepPlugin>(),
+        plugins().disable::<SpatialQueryPlugin>(),
+    ] {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, plugins)).add_systems(Update, ask);
+        app.finish();
+        let character = Character::new(0.3, 0.5);
+        let character = app.world_mut().spawn((character, Transform::default())).id();
+        for _ in 0..5 {
+            app.update();
+            app.world_mut().run_schedule(bevy::app::FixedMain);
+        }
+        let stays = app.world().get::<Transform>(character).unwrap().translation;
+        assert_eq!(stays, Vec3::ZERO);
+    }
+}
+
+/// A plugin that is added before ours knows the schedule by its name.
+#[test]
+fn systems_that_were_added_to_the_step_before_the_plugins_run() {
+    #[derive(Resource, Default)]
+    struct Ran(u32);
+    let mut app = App::new();
+    app.init_resource::<Ran>()
+        .add_systems(FaceoffStep, |mut ran: ResMut<Ran>| ran.0 += 1)
+        .add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
+    let mut sim = Sim::of(app);
+    sim.step(3);
+    assert_eq!(sim.world().resource::<Ran>().0, 3);
 }
 
 #[test]

@@ -183,7 +183,10 @@ impl Plugin for CharacterPlugin {
         app.register_type::<Character>()
             .register_type::<CharacterGround>()
             .register_type::<GroundContact>();
-        debug_assert!(app.is_plugin_added::<SpatialQueryPlugin>());
+        if !app.is_plugin_added::<SpatialQueryPlugin>() {
+            info!("characters do not move: CharacterPlugin needs SpatialQueryPlugin before it");
+            return;
+        }
         // Rays and shapes of casters on characters start where these are after the step.
         let run = run.after(update_after_step).before(run_casters).before(clock::end);
         let run = run.run_if(any_with_component::<Character>).ambiguous_with_all();

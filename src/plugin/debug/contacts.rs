@@ -10,6 +10,7 @@ pub(super) fn draw_contacts(
     mut gizmos: Drawn,
     collisions: Option<Res<Collisions>>,
     face_lists: Option<ResMut<FaceLists>>,
+    mut before: Local<Option<FaceLists>>,
 ) {
     let &FaceoffGizmos {
         contacts,
@@ -22,14 +23,19 @@ pub(super) fn draw_contacts(
         ..
     } = gizmos.config_ext;
     let kinds = [contacts, contact_points, impulses, intersections];
+    if let Some(mut face_lists) = face_lists {
+        if gizmos.config.enabled && intersections.is_some() {
+            before.get_or_insert(*face_lists);
+            face_lists.set_if_neq(FaceLists(true));
+        } else if let Some(before) = before.take() {
+            face_lists.set_if_neq(before);
+        }
+    }
     let Some(collisions) = collisions.filter(|_| gizmos.config.enabled) else {
         return;
     };
     if kinds.iter().all(Option::is_none) {
         return;
-    }
-    if let Some(mut face_lists) = face_lists.filter(|_| intersections.is_some()) {
-        face_lists.set_if_neq(FaceLists(true));
     }
     for hit in collisions.iter() {
         if let Some(color) = contacts {

@@ -27,6 +27,8 @@ pub use spatial_query::SpatialQuery;
 pub use update::{update_spatial_queries, update_spatial_queries_from};
 
 pub(crate) use update::update_after_step;
+#[cfg(feature = "bevy_picking")]
+pub(crate) use update::update_while_time_stands;
 
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use bevy::prelude::*;

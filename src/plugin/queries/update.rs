@@ -2,6 +2,8 @@
 
 use super::index::{IndexedCollider, SpatialIndex, SpatialQueryError};
 use crate::asset::CollisionMesh;
+#[cfg(feature = "bevy_picking")]
+use crate::plugin::clock::{Physics, PhysicsTime};
 use crate::plugin::collisions::StepReport;
 use crate::plugin::components::{ColliderDisabled, MeshCollider, RigidBodyDisabled, Sensor};
 use crate::plugin::sync::Step;
@@ -51,8 +53,23 @@ pub(crate) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Collider
 }
 
 /// The same, if the results of a step were published since.
-pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Res<StepReport>, colliders: Colliders) {
-    if index.is_wanted && index.step != report.step {
+pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Option<Res<StepReport>>, colliders: Colliders) {
+    if index.is_wanted && report.is_some_and(|report| index.step != report.step) {
+        update_spatial_queries(index, colliders);
+    }
+}
+
+/// The same, if no steps run that would do it.
+#[cfg(feature = "bevy_picking")]
+pub(crate) fn update_while_time_stands(
+    index: ResMut<SpatialIndex>,
+    physics: Option<Res<Time<Physics>>>,
+    game: Option<Res<Time<Virtual>>>,
+    colliders: Colliders,
+) {
+    let stands = physics.is_some_and(|time| time.is_paused() || time.relative_speed() == 0.0)
+        || game.is_some_and(|time| time.delta().is_zero());
+    if stands && !index.has_given_poses {
         update_spatial_queries(index, colliders);
     }
 }

@@ -2,6 +2,8 @@
 
 use super::plain::{Bits, PlainFault, entity};
 use crate::plugin::character::{Anchor, Character, CharacterGround, GroundContact};
+#[cfg(feature = "interpolation")]
+use crate::plugin::interpolation;
 use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -56,6 +58,8 @@ impl CharacterState {
             return;
         };
         character.velocity = self.velocity;
+        #[cfg(feature = "interpolation")]
+        interpolation::show_exact(&mut entity);
         if let Some(mut transform) = entity.get_mut::<Transform>() {
             transform.translation = self.translation;
         }

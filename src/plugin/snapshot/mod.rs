@@ -6,6 +6,8 @@ mod plain;
 
 use crate::manifolds::Manifolds;
 use crate::plugin::components::MeshCollider;
+#[cfg(feature = "interpolation")]
+use crate::plugin::interpolation;
 use crate::plugin::sync::driven::DrivenBodies;
 use crate::plugin::sync::hierarchy::{NestedBodies, world_above};
 use crate::plugin::sync::publish::PoseOfStep;
@@ -162,6 +164,8 @@ impl Snapshot {
                 gone.push(entity);
                 continue;
             };
+            #[cfg(feature = "interpolation")]
+            interpolation::show_exact(&mut body);
             if !body.contains::<ChildOf>()
                 && let Some(mut transform) = body.get_mut::<Transform>()
             {

@@ -110,6 +110,9 @@ pub(crate) struct Step {
     pub begun: Instant,
     /// Whether a user ran the schedule. Then the step waits for its results.
     pub by_hand: bool,
+    /// Whether the last tick of fixed time ran no step, because the clock of physics stood still.
+    #[cfg(feature = "gpu")]
+    pub stands: bool,
     /// The resource `Time` outside of the step.
     pub outer_time: Option<Time>,
 }
@@ -187,6 +190,8 @@ impl Step {
             hooks: None,
             begun: Instant::now(),
             by_hand: false,
+            #[cfg(feature = "gpu")]
+            stands: false,
             outer_time: None,
         }
     }

@@ -117,6 +117,7 @@ pub(crate) fn write_back(
         Option<&mut LinearVelocity>,
         Option<&mut AngularVelocity>,
         Option<&mut Sleeping>,
+        Option<&mut PoseOfStep>,
     )>,
     parents: Query<&ChildOf>,
 ) {
@@ -126,7 +127,7 @@ pub(crate) fn write_back(
     // Bodies under other entities are written last, because these may be bodies too.
     let mut nested = Vec::new();
     let mut write = |entity, pose: Option<(Vec3, Quat)>, velocities: Option<[Vec3; 2]>, asleep: Option<bool>| {
-        let Ok((mut transform, linear, angular, sleeping)) = moving.get_mut(entity) else {
+        let Ok((mut transform, linear, angular, sleeping, kept)) = moving.get_mut(entity) else {
             return;
         };
         if let Some((mut sleeping, asleep)) = sleeping.zip(asleep) {
@@ -138,11 +139,15 @@ pub(crate) fn write_back(
             nested.push((entity, (translation, rotation)));
         } else if let Some((translation, rotation)) = pose {
             let scale = transform.scale;
-            transform.set_if_neq(Transform {
+            let written = Transform {
                 translation,
                 rotation,
                 scale,
-            });
+            };
+            transform.set_if_neq(written);
+            if let Some(mut kept) = kept {
+                kept.0 = written;
+            }
         }
         if let Some([v, w]) = velocities {
             if let Some(mut linear) = linear {
@@ -178,9 +183,12 @@ pub(crate) fn write_back(
     for (entity, pose) in nested {
         let transform_of = |entity| moving.get(entity).ok().map(|(transform, ..)| *transform);
         let above = world_above(entity, parent_in(&parents), transform_of);
-        if let Ok((mut transform, ..)) = moving.get_mut(entity) {
+        if let Ok((mut transform, .., kept)) = moving.get_mut(entity) {
             let written = step.nested.write(entity, &transform, above, pose);
             transform.set_if_neq(written);
+            if let Some(mut kept) = kept {
+                kept.0 = written;
+            }
         }
     }
 }

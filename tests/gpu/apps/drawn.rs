@@ -16,6 +16,7 @@ use wgpu::{BindGroupDescriptor, BindGroupEntry, BufferUsages, ComputePipelineDes
 
 pub const TESTS: &[Test] = &[
     ("a_straight_flight_is_drawn_evenly_from_the_gpu", flight),
+    ("bodies_are_drawn_in_one_place_while_the_clock_is_paused", paused),
     ("a_body_that_is_placed_is_drawn_there_at_once", placed),
 ];
 
@@ -39,7 +40,7 @@ fn draw(@builtin(global_invocation_id) id: vec3<u32>) {
 /// Position of the first body, and of a point of its mesh, as drawn in this frame.
 fn drawn(sim: &Sim) -> [Vec3; 2] {
     let world = sim.app.world();
-    let part = world.resource::<Time<Fixed>>().overstep_fraction();
+    let part = bevy_faceoff::plugin::drawn_part(world);
     let gpu = bevy_faceoff::plugin::gpu(world).unwrap();
     let (poses, entities) = bevy_faceoff::plugin::poses(world).unwrap();
     assert_eq!(entities.count(), poses.bodies as usize);
@@ -126,6 +127,29 @@ fn flight(_: &Gpu) {
         assert!(((now[1] - now[0]).length() - 0.5).abs() < 1e-4);
         before = now[0];
         angle_before = angle(now);
+    }
+}
+
+fn paused(_: &Gpu) {
+    let (mut sim, _) = flyer();
+    let mut before = drawn(&sim)[0].x;
+    sim.world().resource_mut::<Time<Physics>>().pause();
+    for frame in 0..12 {
+        sim.app.update();
+        let now = drawn(&sim)[0].x;
+        // In the first frames the tick before is drawn to its end.
+        assert!(
+            now >= before && (frame < 5 || now == before),
+            "frame {frame}: {before} to {now}"
+        );
+        before = now;
+    }
+    sim.world().resource_mut::<Time<Physics>>().unpause();
+    for _ in 0..12 {
+        sim.app.update();
+        let now = drawn(&sim)[0].x;
+        assert!(now >= before, "{before} to {now}");
+        before = now;
     }
 }
 

@@ -31,6 +31,7 @@ pub const TESTS: &[Test] = &[
     ("a_step_by_hand_is_waited_for", by_hand),
     ("who_steps_by_hand_alone_gets_the_device_too", ready_by_hand),
     ("a_paused_clock_publishes_what_is_on_its_way", paused),
+    ("a_clock_without_speed_publishes_what_is_on_its_way", stopped),
     ("poses_after_a_snapshot_are_those_of_the_bodies_told", restored_poses),
     ("all_is_published_while_time_stands_still", virtual_paused),
     ("sleepers_are_counted_on_the_gpu_alone", sleepers),
@@ -531,6 +532,17 @@ fn paused(_: &Gpu) {
         time.set_relative_speed(0.5);
         sim.step(4);
         assert_eq!(reached(&mut sim, body), 8.0, "{readback:?}");
+    }
+}
+
+fn stopped(_: &Gpu) {
+    for readback in [Readback::Lockstep, Readback::Latent] {
+        let (mut sim, body) = flyer(readback);
+        sim.step(5);
+        sim.world().resource_mut::<Time<Physics>>().set_relative_speed(0.0);
+        sim.step(1);
+        assert_eq!(sim.report().in_flight, 0, "{readback:?}");
+        assert_eq!(sim.position(body).x, 5.0, "{readback:?}");
     }
 }
 
