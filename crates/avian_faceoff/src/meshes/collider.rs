@@ -10,6 +10,7 @@ use bevy::ecs::system::lifetimeless::Read;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::geometry::{Orientation, TriMesh};
 
 /// Colliders of meshes: of one mesh they share their shape.
 #[derive(Resource, Default)]
@@ -144,11 +145,20 @@ impl Shapes {
 
 /// Avian's collider of the same triangles.
 fn collider(mesh: &CollisionMesh) -> Result<Collider, TriMeshBuilderError> {
-    let vertices: Vec<_> = mesh.mesh.vertices().iter().map(|v| v.adjust_precision()).collect();
-    let triangles = mesh.mesh.triangles().to_vec();
-    // So that bodies of other shapes slide over it too. Meshes whose faces do not fit together have no inside for it.
-    Collider::try_trimesh_with_config(vertices.clone(), triangles.clone(), TrimeshFlags::FIX_INTERNAL_EDGES)
-        .or_else(|_| Collider::try_trimesh(vertices, triangles))
+    let vertices = mesh.mesh.vertices().iter().map(|v| v.adjust_precision()).collect();
+    let flags = if is_one_sided(&mesh.mesh) {
+        // So that bodies of other shapes slide over it too.
+        TrimeshFlags::FIX_INTERNAL_EDGES
+    } else {
+        // With the flag parry drops contacts behind faces, and an open mesh may be hit from there.
+        TrimeshFlags::empty()
+    };
+    Collider::try_trimesh_with_config(vertices, mesh.mesh.triangles().to_vec(), flags)
+}
+
+/// Whether nothing comes from behind its faces.
+fn is_one_sided(mesh: &TriMesh) -> bool {
+    (mesh.is_solid() || mesh.is_room()) && mesh.orientation() != Orientation::Mixed
 }
 
 /// Warns of a collider that does not enclose the mesh.
