@@ -24,11 +24,6 @@ pub(super) struct MadeFromMesh;
 #[derive(Component)]
 pub(super) struct Settled(AssetId<CollisionMesh>);
 
-/// The body waits for its mesh.
-#[derive(Component)]
-#[require(RigidBodyDisabled)]
-pub(super) struct AwaitsMesh;
-
 /// An exact collider, and what of it there is.
 #[derive(QueryData)]
 pub(super) struct Parts {
@@ -37,14 +32,12 @@ pub(super) struct Parts {
     collider: Option<Read<Collider>>,
     settled: Option<Read<Settled>>,
     made: Has<MadeFromMesh>,
-    awaits: Has<AwaitsMesh>,
 }
 
-/// Gives a new exact collider its [`Collider`], or has its body wait for the mesh.
+/// Gives a new exact collider its [`Collider`], if the mesh is there.
 pub(super) fn on_insert(
     inserted: On<Insert, ExactCollider>,
     colliders: Query<Parts>,
-    bodies: Query<(), (With<RigidBody>, Without<RigidBodyDisabled>)>,
     meshes: Res<Assets<CollisionMesh>>,
     mut shapes: ResMut<Shapes>,
     mut commands: Commands,
@@ -54,8 +47,6 @@ pub(super) fn on_insert(
     };
     if let Some(mesh) = meshes.get(&parts.exact.0) {
         shapes.settle(&parts, mesh, &mut commands);
-    } else if parts.collider.is_none() && bodies.contains(parts.entity) {
-        commands.entity(parts.entity).insert(AwaitsMesh);
     }
 }
 
@@ -122,10 +113,6 @@ impl Shapes {
         }
         match self.of(id, mesh) {
             Ok(collider) => {
-                if parts.awaits {
-                    // First: Avian does not notice that the body of a collider is enabled again.
-                    commands.remove::<(AwaitsMesh, RigidBodyDisabled)>();
-                }
                 commands.insert((collider, MadeFromMesh));
             }
             Err(error) => error!("{entity}: Avian makes no collider of the exact mesh, which is left out: {error}"),
