@@ -2,7 +2,7 @@
 
 use super::ExactCollider;
 use avian3d::math::{AdjustPrecision, AsF32};
-use avian3d::parry::shape::TriMeshBuilderError;
+use avian3d::parry::shape::{SharedShape, TriMeshBuilderError};
 use avian3d::prelude::*;
 use bevy::asset::AssetLoadFailedEvent;
 use bevy::ecs::query::QueryData;
@@ -11,14 +11,21 @@ use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{Orientation, TriMesh};
+use std::sync::Arc;
 
 /// Colliders of meshes: of one mesh they share their shape.
 #[derive(Resource, Default)]
 pub(super) struct Shapes(HashMap<AssetId<CollisionMesh>, Collider>);
 
-/// The [`Collider`] was made of a mesh, and follows it.
+/// The shape that was made of a mesh. A [`Collider`] with this very shape follows the mesh; another one is the game's.
 #[derive(Component)]
-pub(super) struct MadeFromMesh;
+pub(super) struct MadeFromMesh(SharedShape);
+
+impl MadeFromMesh {
+    pub(super) fn is(&self, collider: &Collider) -> bool {
+        Arc::ptr_eq(&self.0.0, &collider.shape().0)
+    }
+}
 
 /// The mesh that the [`Collider`] was made of or compared with.
 #[derive(Component)]
@@ -31,7 +38,7 @@ pub(super) struct Parts {
     exact: Read<ExactCollider>,
     collider: Option<Read<Collider>>,
     settled: Option<Read<Settled>>,
-    made: Has<MadeFromMesh>,
+    made: Option<Read<MadeFromMesh>>,
 }
 
 /// Gives a new exact collider its [`Collider`], if the mesh is there.
@@ -107,13 +114,15 @@ impl Shapes {
         let (entity, id) = (parts.entity, parts.exact.0.id());
         let mut commands = commands.entity(entity);
         commands.insert(Settled(id));
-        if let Some(collider) = parts.collider.filter(|_| !parts.made) {
+        let is_made = |collider: &Collider| parts.made.is_some_and(|made| made.is(collider));
+        if let Some(collider) = parts.collider.filter(|collider| !is_made(collider)) {
             check(entity, mesh, collider);
             return;
         }
         match self.of(id, mesh) {
             Ok(collider) => {
-                commands.insert((collider, MadeFromMesh));
+                let made = MadeFromMesh(collider.shape().clone());
+                commands.insert((collider, made));
             }
             Err(error) => error!("{entity}: Avian makes no collider of the exact mesh, which is left out: {error}"),
         }

@@ -15,7 +15,7 @@ use bevy_faceoff::asset::CollisionMesh;
 /// A body waits for the meshes of all its colliders. A [`Collider`] of your own, or the removal of this component, ends the
 /// wait, too.
 ///
-/// A [`Collider`] of your own is kept. It must enclose the mesh, because Avian looks for
+/// A [`Collider`] of your own is kept, whether it comes before or later. It must enclose the mesh, because Avian looks for
 /// contacts only where the boxes of colliders meet.
 ///
 /// ```

@@ -162,6 +162,43 @@ fn triangle_meshes_are_baked_and_shared() {
     assert_eq!(handle(&world, ball), Some(handles[1].clone()));
 }
 
+#[test]
+fn a_new_trimesh_in_place_of_a_made_collider_is_exact() {
+    let mut world = World::new(Contacts::Exact);
+    let body = world.add_with(&Body::new(Shape::Cube, Vec3::ZERO, Quat::IDENTITY), ExactTrimesh);
+    world.begin();
+    world
+        .app
+        .world_mut()
+        .entity_mut(body)
+        .insert((trimesh(Shape::Knot), ExactTrimesh));
+    world.steps(2);
+    let mesh = handle(&world, body).expect("an exact collider");
+    let meshes = world.app.world().resource::<Assets<CollisionMesh>>();
+    let triangles = meshes.get(&mesh).expect("a bake").mesh.triangles().len();
+    assert_eq!(triangles, Shape::Knot.mesh().mesh.triangles().len());
+}
+
+#[test]
+fn a_collider_in_place_of_a_made_one_is_kept() {
+    let mut world = World::new(Contacts::Exact);
+    let body = world.add(&Body::new(Shape::Cube, Vec3::ZERO, Quat::IDENTITY));
+    world.begin();
+    world
+        .app
+        .world_mut()
+        .entity_mut(body)
+        .insert(Collider::cuboid(2.0, 2.0, 2.0));
+    let mesh = handle(&world, body).expect("an exact collider");
+    let mut meshes = world.app.world_mut().resource_mut::<Assets<CollisionMesh>>();
+    meshes
+        .insert(mesh.id(), CollisionMesh::new(&shapes::cube(1.5)))
+        .expect("it is there");
+    world.steps(2);
+    let collider = world.app.world().get::<Collider>(body).expect("a collider");
+    assert!(collider.shape().as_cuboid().is_some(), "it was replaced");
+}
+
 /// A body that has a mesh of these faces and does not move.
 fn fixed(world: &mut World, vertices: &[[f32; 3]], faces: &[[u32; 4]]) -> Entity {
     let vertices = vertices.iter().map(|&v| v.into()).collect();
