@@ -43,6 +43,7 @@ impl AnyCollider for ExactNarrowPhase {
         SRes<Assets<CollisionMesh>>,
         SRes<PairMemories>,
         SRes<ExactContacts>,
+        SRes<PhysicsLengthUnit>,
     );
 
     /// No plugin asks for it: the box is that of the [`Collider`].
@@ -66,7 +67,7 @@ impl AnyCollider for ExactNarrowPhase {
         manifolds: &mut Vec<ContactManifold>,
         context: ContactManifoldContext<Self::Context>,
     ) {
-        let (colliders, meshes, memories, settings) = &*context;
+        let (colliders, meshes, memories, settings, unit) = &*context;
         let entities = [context.entity1, context.entity2];
         let Ok(pair) = colliders.get_many(entities) else {
             manifolds.clear();
@@ -90,7 +91,8 @@ impl AnyCollider for ExactNarrowPhase {
             manifolds.clear();
             return;
         };
-        let pair = Pair::new([a, b], position1, single(prediction_distance), settings);
+        let limit = MAX_REST_OFFSET * single(unit.0);
+        let pair = Pair::new([a, b], position1, single(prediction_distance), settings, limit);
         if !pair.may_touch() {
             manifolds.clear();
             return;
@@ -100,6 +102,10 @@ impl AnyCollider for ExactNarrowPhase {
         });
     }
 }
+
+/// At unit length, metres. By as much Avian enlarges the box of a collider that has moved, and pairs whose boxes do not meet
+/// have no contacts.
+const MAX_REST_OFFSET: f32 = 0.05;
 
 /// Two exact meshes.
 struct Pair<'a> {
@@ -115,11 +121,16 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    fn new(meshes: [Placed<'a>; 2], first: Vector, prediction: f32, settings: &ExactContacts) -> Self {
+    /// Surfaces come to rest at most `limit` apart.
+    fn new(meshes: [Placed<'a>; 2], first: Vector, prediction: f32, settings: &ExactContacts, limit: f32) -> Self {
         let [a, b] = &meshes;
         let diameter = 2.0 * a.bounding_radius().min(b.bounding_radius());
         let offset = settings.rest_offset * diameter;
-        let rest_offset = if offset.is_finite() { offset.max(0.0) } else { 0.0 };
+        let rest_offset = if offset.is_finite() {
+            offset.max(0.0).min(limit)
+        } else {
+            0.0
+        };
         Self {
             meshes,
             first,
