@@ -8,6 +8,7 @@ pub mod meshes;
 mod narrow_phase;
 mod overlap;
 mod plugin;
+mod pose;
 mod precision;
 pub mod steps;
 

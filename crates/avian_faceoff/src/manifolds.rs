@@ -1,5 +1,6 @@
 //! Contact points of two meshes as Avian's manifolds.
 
+use crate::pose::Pose;
 use avian3d::collision::contact_types::PackedFeatureId;
 use avian3d::math::{AdjustPrecision, Scalar, Vector};
 use avian3d::prelude::{ContactManifold, ContactPoint};
@@ -54,23 +55,44 @@ fn packed(feature: FeatureId) -> PackedFeatureId {
     }
 }
 
+/// A point of the last step.
+pub(crate) struct Carried<'a> {
+    old: &'a ContactPoint,
+    /// Where it is now, if it has moved with the first collider, and its normal.
+    point: Vector,
+    normal: Vector,
+}
+
+/// The points of the last step, moved with the first collider from `last` to `now`. So the motion of a whole scene parts no
+/// point from where it was on its surface.
+pub(crate) fn carried<'a>(old: &'a [ContactManifold], last: &Pose, now: &Pose) -> Vec<Carried<'a>> {
+    let carried = |normal: Vector, old: &'a ContactPoint| Carried {
+        old,
+        point: last.carry(old.point, now),
+        normal: last.turn(normal, now),
+    };
+    let points = old
+        .iter()
+        .flat_map(|m| m.points.iter().map(move |point| (m.normal, point)));
+    points.map(|(normal, point)| carried(normal, point)).collect()
+}
+
 /// Gives each point the impulses of the last step's point between the same features, or else of the nearest one within
 /// `reach` that no other point has.
 ///
 /// Avian does the first by itself, for pairs with at most four manifolds.
-pub(crate) fn warm_start(new: &mut [ContactManifold], old: &[ContactManifold], reach: Scalar) {
-    let mut left: Vec<(Vector, &ContactPoint)> = Vec::new();
-    left.extend(old.iter().flat_map(|m| m.points.iter().map(|point| (m.normal, point))));
+pub(crate) fn warm_start(new: &mut [ContactManifold], old: Vec<Carried>, reach: Scalar) {
+    let mut left = old;
     let mut unmatched = Vec::new();
     for manifold in new {
         let normal = manifold.normal;
         for point in &mut manifold.points {
-            let same = |(_, old): &(Vector, &ContactPoint)| {
-                (old.feature_id1, old.feature_id2) == (point.feature_id1, point.feature_id2)
-                    && (is_of_feature(point.feature_id1) || old.point.distance_squared(point.point) < reach * reach)
+            let same = |last: &Carried| {
+                (last.old.feature_id1, last.old.feature_id2) == (point.feature_id1, point.feature_id2)
+                    && (is_of_feature(point.feature_id1) || last.point.distance_squared(point.point) < reach * reach)
             };
             match left.iter().position(same) {
-                Some(i) => take_impulses(point, left.swap_remove(i).1),
+                Some(i) => take_impulses(point, left.swap_remove(i).old),
                 None => unmatched.push((normal, point)),
             }
         }
@@ -79,11 +101,11 @@ pub(crate) fn warm_start(new: &mut [ContactManifold], old: &[ContactManifold], r
         let near = left
             .iter()
             .enumerate()
-            .filter(|(_, (n, _))| n.dot(normal) > LIKE_NORMAL);
-        let near = near.map(|(i, (_, old))| (i, old.point.distance_squared(point.point)));
+            .filter(|(_, last)| last.normal.dot(normal) > LIKE_NORMAL);
+        let near = near.map(|(i, last)| (i, last.point.distance_squared(point.point)));
         let nearest = near.min_by(|(_, a), (_, b)| a.total_cmp(b));
         if let Some((i, _)) = nearest.filter(|(_, apart)| *apart < reach * reach) {
-            take_impulses(point, left.swap_remove(i).1);
+            take_impulses(point, left.swap_remove(i).old);
         }
     }
 }
@@ -96,4 +118,37 @@ fn is_of_feature(id: PackedFeatureId) -> bool {
 fn take_impulses(point: &mut ContactPoint, old: &ContactPoint) {
     point.warm_start_normal_impulse = old.warm_start_normal_impulse;
     point.warm_start_tangent_impulse = old.warm_start_tangent_impulse;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use avian3d::math::Quaternion;
+
+    /// A manifold of one point between `features`, with an impulse.
+    fn manifold(point: Vector, normal: Vector, features: u32, impulse: Scalar) -> ContactManifold {
+        let id = PackedFeatureId::vertex(features);
+        let mut contact = ContactPoint::new(Vector::ZERO, Vector::ZERO, point, 0.0).with_feature_ids(id, id);
+        contact.warm_start_normal_impulse = impulse;
+        ContactManifold::new([contact], normal)
+    }
+
+    #[test]
+    fn impulses_move_with_the_pair() {
+        let pose = |position, turn| Pose {
+            position,
+            rotation: Quaternion::from_rotation_z(turn),
+        };
+        let (last, now) = (pose(Vector::X, 0.0), pose(Vector::new(5.0, 2.0, 0.0), 1.0));
+        let (point, normal) = (Vector::new(1.0, 1.0, 0.0), Vector::Y);
+        let old = [manifold(point, normal, 1, 3.0)];
+        let turned = Quaternion::from_rotation_z(1.0) * Vector::Y;
+        let mut new = [manifold(now.position + turned, turned, 2, 0.0)];
+        warm_start(&mut new, carried(&old, &last, &now), 0.01);
+        assert_eq!(new[0].points[0].warm_start_normal_impulse, 3.0);
+        // Of a pair that has not moved, the point is another one.
+        let mut new = [manifold(now.position + turned, turned, 2, 0.0)];
+        warm_start(&mut new, carried(&old, &last, &last), 0.01);
+        assert_eq!(new[0].points[0].warm_start_normal_impulse, 0.0);
+    }
 }

@@ -1,5 +1,6 @@
 //! What is kept of a pair from step to step.
 
+use crate::pose::Pose;
 use avian3d::prelude::{NarrowPhaseSystems, PhysicsSchedule};
 use bevy::prelude::*;
 use bevy_faceoff::queries::PairMemory;
@@ -8,7 +9,7 @@ use dashmap::DashMap;
 /// The memory of each pair of exact meshes near each other. Avian hands its narrow phase no memory of its own, and only
 /// resources that are not changed: so each part of this map has a lock.
 ///
-/// A memory changes the time that contacts take, never the contacts.
+/// A memory changes the time that contacts take, never where they are.
 #[derive(Resource, Default)]
 pub struct PairMemories {
     pairs: DashMap<[Entity; 2], Kept>,
@@ -18,20 +19,23 @@ pub struct PairMemories {
 
 struct Kept {
     memory: PairMemory,
+    /// Where the first collider was in that step.
+    first: Pose,
     /// The step that used it last.
     step: u64,
 }
 
 impl PairMemories {
-    /// Lends the memory of a pair. No lock is held while `find` runs.
-    pub(crate) fn lend(&self, pair: [Entity; 2], find: impl FnOnce(&mut PairMemory)) {
-        let mut memory = self
+    /// Lends the memory of a pair whose first collider is at `first`, and tells where that was in the last step; at `first`,
+    /// if that is not known. No lock is held while `find` runs.
+    pub(crate) fn lend(&self, pair: [Entity; 2], first: Pose, find: impl FnOnce(&mut PairMemory, &Pose)) {
+        let (mut memory, last) = self
             .pairs
             .remove(&pair)
-            .map_or_else(PairMemory::default, |(_, kept)| kept.memory);
-        find(&mut memory);
+            .map_or_else(|| (PairMemory::default(), first), |(_, kept)| (kept.memory, kept.first));
+        find(&mut memory, &last);
         let step = self.step;
-        self.pairs.insert(pair, Kept { memory, step });
+        self.pairs.insert(pair, Kept { memory, first, step });
     }
 }
 
@@ -50,6 +54,23 @@ fn forget(mut memories: ResMut<PairMemories>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use avian3d::math::{Quaternion, Scalar, Vector};
+
+    fn at(x: i8) -> Pose {
+        Pose {
+            position: Vector::X * Scalar::from(x),
+            rotation: Quaternion::IDENTITY,
+        }
+    }
+
+    #[test]
+    fn a_pair_knows_where_it_was() {
+        let mut world = World::new();
+        let pair = [0; 2].map(|_| world.spawn_empty().id());
+        let memories = PairMemories::default();
+        memories.lend(pair, at(1), |_, last| assert_eq!(last.position, at(1).position));
+        memories.lend(pair, at(2), |_, last| assert_eq!(last.position, at(1).position));
+    }
 
     #[test]
     fn pairs_that_a_step_does_not_use_are_forgotten() {
@@ -58,7 +79,7 @@ mod tests {
         let [a, b, c] = [0; 3].map(|_| world.spawn_empty().id());
         let use_pairs = |world: &World, pairs: &[[Entity; 2]]| {
             for pair in pairs {
-                world.resource::<PairMemories>().lend(*pair, |_| {});
+                world.resource::<PairMemories>().lend(*pair, at(0), |_, _| {});
             }
         };
         let mut forget = IntoSystem::into_system(forget);

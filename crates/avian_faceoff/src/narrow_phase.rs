@@ -5,6 +5,7 @@ use crate::manifolds;
 use crate::memory::PairMemories;
 use crate::meshes::ExactCollider;
 use crate::overlap;
+use crate::pose::Pose;
 use crate::precision::{double, double_rotation, single};
 use avian3d::collision::collider::contact_query;
 use avian3d::math::{AdjustPrecision, AsF32, Scalar, Vector};
@@ -43,6 +44,7 @@ impl AnyCollider for ExactNarrowPhase {
         SRes<Assets<CollisionMesh>>,
         SRes<PairMemories>,
         SRes<ExactContacts>,
+        SRes<PhysicsLengthUnit>,
     );
 
     /// No plugin asks for it: the box is that of the [`Collider`].
@@ -66,7 +68,7 @@ impl AnyCollider for ExactNarrowPhase {
         manifolds: &mut Vec<ContactManifold>,
         context: ContactManifoldContext<Self::Context>,
     ) {
-        let (colliders, meshes, memories, settings) = &*context;
+        let (colliders, meshes, memories, settings, unit) = &*context;
         let entities = [context.entity1, context.entity2];
         let Ok(pair) = colliders.get_many(entities) else {
             manifolds.clear();
@@ -90,22 +92,31 @@ impl AnyCollider for ExactNarrowPhase {
             manifolds.clear();
             return;
         };
-        let pair = Pair::new([a, b], position1, single(prediction_distance), settings);
+        let first = Pose {
+            position: position1,
+            rotation: rotations[0].0,
+        };
+        let limit = MAX_REST_OFFSET * single(unit.0);
+        let pair = Pair::new([a, b], first, single(prediction_distance), settings, limit);
         if !pair.may_touch() {
             manifolds.clear();
             return;
         }
-        memories.lend(entities, |memory| {
-            WORKER.with_borrow_mut(|worker| worker.contacts(&pair, memory, manifolds));
+        memories.lend(entities, first, |memory, last| {
+            WORKER.with_borrow_mut(|worker| worker.contacts(&pair, memory, last, manifolds));
         });
     }
 }
 
+/// At unit length, metres. By as much Avian enlarges the box of a collider that has moved, and pairs whose boxes do not meet
+/// have no contacts.
+const MAX_REST_OFFSET: f32 = 0.05;
+
 /// Two exact meshes.
 struct Pair<'a> {
     meshes: [Placed<'a>; 2],
-    /// Position of the first one's origin.
-    first: Vector,
+    /// Where the first one is.
+    first: Pose,
     /// Of the smaller bounding sphere, metres.
     diameter: f32,
     /// How far apart surfaces come to rest, metres.
@@ -115,11 +126,16 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    fn new(meshes: [Placed<'a>; 2], first: Vector, prediction: f32, settings: &ExactContacts) -> Self {
+    /// Surfaces come to rest at most `limit` apart.
+    fn new(meshes: [Placed<'a>; 2], first: Pose, prediction: f32, settings: &ExactContacts, limit: f32) -> Self {
         let [a, b] = &meshes;
         let diameter = 2.0 * a.bounding_radius().min(b.bounding_radius());
         let offset = settings.rest_offset * diameter;
-        let rest_offset = if offset.is_finite() { offset.max(0.0) } else { 0.0 };
+        let rest_offset = if offset.is_finite() {
+            offset.max(0.0).min(limit)
+        } else {
+            0.0
+        };
         Self {
             meshes,
             first,
@@ -153,16 +169,17 @@ thread_local! {
 }
 
 impl Worker {
-    /// Replaces the manifolds of the last step.
-    fn contacts(&mut self, pair: &Pair, memory: &mut PairMemory, manifolds: &mut Vec<ContactManifold>) {
+    /// Replaces the manifolds of the last step, in which the first collider was at `last`.
+    fn contacts(&mut self, pair: &Pair, memory: &mut PairMemory, last: &Pose, manifolds: &mut Vec<ContactManifold>) {
         let [a, b] = &pair.meshes;
         self.points.clear();
         self.contacts.manifold(a, b, pair.margin, memory, &mut self.points);
         let centers = (b.center_of_mass() - a.center_of_mass()).adjust_precision();
         overlap::resolve(&mut self.points, pair.diameter, manifolds, centers);
-        let mut new = manifolds::group(&self.points, pair.first, pair.rest_offset);
+        let mut new = manifolds::group(&self.points, pair.first.position, pair.rest_offset);
         let reach = (REACH * pair.diameter + pair.margin).adjust_precision();
-        manifolds::warm_start(&mut new, manifolds, reach);
+        let old = manifolds::carried(manifolds, last, &pair.first);
+        manifolds::warm_start(&mut new, old, reach);
         *manifolds = new;
     }
 }

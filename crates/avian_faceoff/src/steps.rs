@@ -73,8 +73,8 @@ impl Plugin for PhysicsStepsPlugin {
 /// What the steps of one run share.
 #[derive(Resource, Default)]
 struct Shared {
-    /// The clock's own speed.
-    speed: f64,
+    /// The clock before the steps.
+    clock: Time<Physics>,
     /// Accelerations that a step would use up.
     accelerations: Vec<(Entity, [Vector; 2], AccumulatedLocalAcceleration)>,
 }
@@ -86,10 +86,10 @@ fn begin(
     mut shared: ResMut<Shared>,
     bodies: Query<(Entity, &VelocityIntegrationData, &AccumulatedLocalAcceleration)>,
 ) {
-    shared.speed = clock.relative_speed_f64();
+    shared.clock = *clock;
     shared.accelerations.clear();
     if steps.0 > 1 {
-        let speed = shared.speed / f64::from(steps.0);
+        let speed = clock.relative_speed_f64() / f64::from(steps.0);
         clock.set_relative_speed_f64(speed);
         shared
             .accelerations
@@ -109,7 +109,7 @@ fn run_the_rest(world: &mut World) {
     }
     let shared = std::mem::take(&mut *world.resource_mut::<Shared>());
     let mut clock = world.resource_mut::<Time<Physics>>();
-    clock.set_relative_speed_f64(shared.speed);
+    clock.set_relative_speed_f64(shared.clock.relative_speed_f64());
     // A clock that stands still has run no step.
     let step = clock.delta();
     if !clock.is_paused() && step > Duration::ZERO {
@@ -134,6 +134,12 @@ fn run_the_rest(world: &mut World) {
             world.run_schedule(PhysicsSchedule);
         }
         *world.resource_mut::<Time>() = outer;
+        // As after one step of the whole time.
+        let mut clock = world.resource_mut::<Time<Physics>>();
+        let context = *clock.context();
+        *clock = shared.clock;
+        *clock.context_mut() = context;
+        clock.advance_by(step * steps);
     }
     *world.resource_mut::<Shared>() = shared;
 }

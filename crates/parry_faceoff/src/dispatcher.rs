@@ -34,6 +34,9 @@ const REACH: Real = 0.1;
 /// | `distance`, `closest_points` | exact if they touch, else that of the [surfaces](ExactMesh::surface) |
 /// | shape casts | those of the surfaces |
 ///
+/// Of two exact meshes that touch, `intersection_test` and `distance` name no triangles: the numbers of the subshapes are 0.
+/// Those of manifolds and of `contact` are those of the triangles.
+///
 /// The same poses give the same bits, on any number of threads.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ExactDispatcher;

@@ -2,7 +2,7 @@
 
 use super::ExactCollider;
 use avian3d::math::{AdjustPrecision, AsF32};
-use avian3d::parry::shape::TriMeshBuilderError;
+use avian3d::parry::shape::{SharedShape, TriMeshBuilderError};
 use avian3d::prelude::*;
 use bevy::asset::AssetLoadFailedEvent;
 use bevy::ecs::query::QueryData;
@@ -10,23 +10,26 @@ use bevy::ecs::system::lifetimeless::Read;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::geometry::{Orientation, TriMesh};
+use std::sync::Arc;
 
 /// Colliders of meshes: of one mesh they share their shape.
 #[derive(Resource, Default)]
 pub(super) struct Shapes(HashMap<AssetId<CollisionMesh>, Collider>);
 
-/// The [`Collider`] was made of a mesh, and follows it.
+/// The shape that was made of a mesh. A [`Collider`] with this very shape follows the mesh; another one is the game's.
 #[derive(Component)]
-pub(super) struct MadeFromMesh;
+pub(super) struct MadeFromMesh(SharedShape);
+
+impl MadeFromMesh {
+    pub(super) fn is(&self, collider: &Collider) -> bool {
+        Arc::ptr_eq(&self.0.0, &collider.shape().0)
+    }
+}
 
 /// The mesh that the [`Collider`] was made of or compared with.
 #[derive(Component)]
 pub(super) struct Settled(AssetId<CollisionMesh>);
-
-/// The body waits for its mesh.
-#[derive(Component)]
-#[require(RigidBodyDisabled)]
-pub(super) struct AwaitsMesh;
 
 /// An exact collider, and what of it there is.
 #[derive(QueryData)]
@@ -35,15 +38,13 @@ pub(super) struct Parts {
     exact: Read<ExactCollider>,
     collider: Option<Read<Collider>>,
     settled: Option<Read<Settled>>,
-    made: Has<MadeFromMesh>,
-    awaits: Has<AwaitsMesh>,
+    made: Option<Read<MadeFromMesh>>,
 }
 
-/// Gives a new exact collider its [`Collider`], or has its body wait for the mesh.
+/// Gives a new exact collider its [`Collider`], if the mesh is there.
 pub(super) fn on_insert(
     inserted: On<Insert, ExactCollider>,
     colliders: Query<Parts>,
-    bodies: Query<(), (With<RigidBody>, Without<RigidBodyDisabled>)>,
     meshes: Res<Assets<CollisionMesh>>,
     mut shapes: ResMut<Shapes>,
     mut commands: Commands,
@@ -53,8 +54,6 @@ pub(super) fn on_insert(
     };
     if let Some(mesh) = meshes.get(&parts.exact.0) {
         shapes.settle(&parts, mesh, &mut commands);
-    } else if parts.collider.is_none() && bodies.contains(parts.entity) {
-        commands.entity(parts.entity).insert(AwaitsMesh);
     }
 }
 
@@ -115,17 +114,15 @@ impl Shapes {
         let (entity, id) = (parts.entity, parts.exact.0.id());
         let mut commands = commands.entity(entity);
         commands.insert(Settled(id));
-        if let Some(collider) = parts.collider.filter(|_| !parts.made) {
+        let is_made = |collider: &Collider| parts.made.is_some_and(|made| made.is(collider));
+        if let Some(collider) = parts.collider.filter(|collider| !is_made(collider)) {
             check(entity, mesh, collider);
             return;
         }
         match self.of(id, mesh) {
             Ok(collider) => {
-                if parts.awaits {
-                    // First: Avian does not notice that the body of a collider is enabled again.
-                    commands.remove::<(AwaitsMesh, RigidBodyDisabled)>();
-                }
-                commands.insert((collider, MadeFromMesh));
+                let made = MadeFromMesh(collider.shape().clone());
+                commands.insert((collider, made));
             }
             Err(error) => error!("{entity}: Avian makes no collider of the exact mesh, which is left out: {error}"),
         }
@@ -144,11 +141,20 @@ impl Shapes {
 
 /// Avian's collider of the same triangles.
 fn collider(mesh: &CollisionMesh) -> Result<Collider, TriMeshBuilderError> {
-    let vertices: Vec<_> = mesh.mesh.vertices().iter().map(|v| v.adjust_precision()).collect();
-    let triangles = mesh.mesh.triangles().to_vec();
-    // So that bodies of other shapes slide over it too. Meshes whose faces do not fit together have no inside for it.
-    Collider::try_trimesh_with_config(vertices.clone(), triangles.clone(), TrimeshFlags::FIX_INTERNAL_EDGES)
-        .or_else(|_| Collider::try_trimesh(vertices, triangles))
+    let vertices = mesh.mesh.vertices().iter().map(|v| v.adjust_precision()).collect();
+    let flags = if is_one_sided(&mesh.mesh) {
+        // So that bodies of other shapes slide over it too.
+        TrimeshFlags::FIX_INTERNAL_EDGES
+    } else {
+        // With the flag parry drops contacts behind faces, and an open mesh may be hit from there.
+        TrimeshFlags::empty()
+    };
+    Collider::try_trimesh_with_config(vertices, mesh.mesh.triangles().to_vec(), flags)
+}
+
+/// Whether nothing comes from behind its faces.
+fn is_one_sided(mesh: &TriMesh) -> bool {
+    (mesh.is_solid() || mesh.is_room()) && mesh.orientation() != Orientation::Mixed
 }
 
 /// Warns of a collider that does not enclose the mesh.

@@ -2,6 +2,7 @@
 
 mod collider;
 mod trimesh;
+mod waiting;
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
@@ -10,8 +11,12 @@ use bevy_faceoff::asset::CollisionMesh;
 /// A collider whose contacts with others of its kind are exact: concave meshes, without ghost edges.
 ///
 /// Where the entity has no [`Collider`], it gets one of the same triangles as soon as the mesh is there. Until then its
-/// [`RigidBody`] is disabled, so that it does not fall through what is not there yet. A [`Collider`] of your own is kept.
-/// It must enclose the mesh, because Avian looks for contacts only where the boxes of colliders meet.
+/// [`RigidBody`], which may be that of an ancestor, is disabled, so that it does not fall through what is not there yet.
+/// A body waits for the meshes of all its colliders. A [`Collider`] of your own, or the removal of this component, ends the
+/// wait, too.
+///
+/// A [`Collider`] of your own is kept, whether it comes before or later. It must enclose the mesh, because Avian looks for
+/// contacts only where the boxes of colliders meet.
 ///
 /// ```
 /// # use avian3d::prelude::*;
@@ -68,6 +73,7 @@ pub(crate) fn plugin(app: &mut App) {
         .register_type::<ExactCollider>()
         .register_type::<ExactTrimesh>()
         .add_observer(collider::on_insert)
+        .add_plugins(waiting::plugin)
         .add_systems(
             PreUpdate,
             (collider::follow_assets, collider::tell_failures, trimesh::forget),

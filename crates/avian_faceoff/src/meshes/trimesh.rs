@@ -26,19 +26,18 @@ struct Bake {
 /// Bakes the meshes of colliders that are new or have changed.
 pub(super) fn bake(
     colliders: Query<
-        (Entity, &Collider, Option<&ExactCollider>),
-        (
-            With<ExactTrimesh>,
-            // That one's mesh is baked already.
-            Without<MadeFromMesh>,
-            Or<(Changed<Collider>, Added<ExactTrimesh>)>,
-        ),
+        (Entity, &Collider, Option<&ExactCollider>, Option<&MadeFromMesh>),
+        (With<ExactTrimesh>, Or<(Changed<Collider>, Added<ExactTrimesh>)>),
     >,
     mut meshes: ResMut<Assets<CollisionMesh>>,
     mut bakes: ResMut<Bakes>,
     mut commands: Commands,
 ) {
-    for (entity, collider, exact) in &colliders {
+    for (entity, collider, exact, made) in &colliders {
+        if made.is_some_and(|made| made.is(collider)) {
+            // Its mesh is baked already.
+            continue;
+        }
         let Some(trimesh) = collider.shape().as_trimesh() else {
             error!(
                 "{entity}: `ExactTrimesh` needs a collider that is a triangle mesh, such as `Collider::trimesh`. Its \

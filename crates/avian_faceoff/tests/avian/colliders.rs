@@ -5,7 +5,7 @@ use avian_faceoff::prelude::*;
 use avian3d::math::AdjustPrecision;
 use avian3d::prelude::*;
 use bevy::prelude::*;
-use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::testing::scenes::{Body, Shape};
 use std::time::{Duration, Instant};
 
@@ -160,6 +160,119 @@ fn triangle_meshes_are_baked_and_shared() {
     world.step();
     assert_eq!(handle(&world, a), None);
     assert_eq!(handle(&world, ball), Some(handles[1].clone()));
+}
+
+#[test]
+fn a_new_trimesh_in_place_of_a_made_collider_is_exact() {
+    let mut world = World::new(Contacts::Exact);
+    let body = world.add_with(&Body::new(Shape::Cube, Vec3::ZERO, Quat::IDENTITY), ExactTrimesh);
+    world.begin();
+    world
+        .app
+        .world_mut()
+        .entity_mut(body)
+        .insert((trimesh(Shape::Knot), ExactTrimesh));
+    world.steps(2);
+    let mesh = handle(&world, body).expect("an exact collider");
+    let meshes = world.app.world().resource::<Assets<CollisionMesh>>();
+    let triangles = meshes.get(&mesh).expect("a bake").mesh.triangles().len();
+    assert_eq!(triangles, Shape::Knot.mesh().mesh.triangles().len());
+}
+
+#[test]
+fn a_collider_in_place_of_a_made_one_is_kept() {
+    let mut world = World::new(Contacts::Exact);
+    let body = world.add(&Body::new(Shape::Cube, Vec3::ZERO, Quat::IDENTITY));
+    world.begin();
+    world
+        .app
+        .world_mut()
+        .entity_mut(body)
+        .insert(Collider::cuboid(2.0, 2.0, 2.0));
+    let mesh = handle(&world, body).expect("an exact collider");
+    let mut meshes = world.app.world_mut().resource_mut::<Assets<CollisionMesh>>();
+    meshes
+        .insert(mesh.id(), CollisionMesh::new(&shapes::cube(1.5)))
+        .expect("it is there");
+    world.steps(2);
+    let collider = world.app.world().get::<Collider>(body).expect("a collider");
+    assert!(collider.shape().as_cuboid().is_some(), "it was replaced");
+}
+
+/// A body that has a mesh of these faces and does not move.
+fn fixed(world: &mut World, vertices: &[[f32; 3]], faces: &[[u32; 4]]) -> Entity {
+    let vertices = vertices.iter().map(|&v| v.into()).collect();
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let mesh = TriMesh::new(vertices, triangles).expect("a mesh");
+    let ecs = world.app.world_mut();
+    let mesh = ecs
+        .resource_mut::<Assets<CollisionMesh>>()
+        .add(CollisionMesh::new(&mesh));
+    ecs.spawn((RigidBody::Static, ExactCollider(mesh), Transform::default()))
+        .id()
+}
+
+/// Drops a ball, a box and a capsule. Their heights after three seconds.
+fn dropped(world: &mut World) -> [f32; 3] {
+    let colliders = [
+        Collider::sphere(0.3),
+        Collider::cuboid(0.6, 0.6, 0.6),
+        Collider::capsule(0.2, 0.2),
+    ];
+    let mut x = -2.4;
+    let bodies = colliders.map(|collider| {
+        x += 1.2;
+        let pose = Transform::from_xyz(x, 0.6, 0.0);
+        world.app.world_mut().spawn((RigidBody::Dynamic, collider, pose)).id()
+    });
+    world.begin();
+    world.steps(3 * HZ);
+    bodies.map(|body| world.position(body).y)
+}
+
+#[test]
+fn shapes_of_avian_stay_in_an_open_bin() {
+    // Walls of one layer that look outward, and no lid.
+    let mut world = World::new(Contacts::Exact);
+    let corners = [
+        [-2.0, 0.0, -1.0],
+        [2.0, 0.0, -1.0],
+        [2.0, 0.0, 1.0],
+        [-2.0, 0.0, 1.0],
+        [-2.0, 2.0, -1.0],
+        [2.0, 2.0, -1.0],
+        [2.0, 2.0, 1.0],
+        [-2.0, 2.0, 1.0],
+    ];
+    let sides = [[0, 1, 2, 3], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]];
+    fixed(&mut world, &corners, &sides);
+    for height in dropped(&mut world) {
+        assert!((0.15..0.45).contains(&height), "{height} m");
+    }
+}
+
+#[test]
+fn shapes_of_avian_stay_on_a_sheet_that_looks_down() {
+    let mut world = World::new(Contacts::Exact);
+    let corners = [[-3.0, 0.0, -3.0], [3.0, 0.0, -3.0], [3.0, 0.0, 3.0], [-3.0, 0.0, 3.0]];
+    fixed(&mut world, &corners, &[[0, 1, 2, 3]]);
+    for height in dropped(&mut world) {
+        assert!((0.15..0.45).contains(&height), "{height} m");
+    }
+}
+
+#[test]
+fn closed_meshes_have_no_inner_edges() {
+    let mut world = World::new(Contacts::Exact);
+    let flags = |world: &World, entity| {
+        let collider = world.app.world().get::<Collider>(entity).expect("a collider");
+        collider.shape().as_trimesh().expect("a mesh").flags()
+    };
+    let solid = world.add(&Body::new(Shape::Cube, Vec3::ZERO, Quat::IDENTITY));
+    assert!(flags(&world, solid).contains(TrimeshFlags::FIX_INTERNAL_EDGES.into()));
+    let corners = [[-3.0, 0.0, -3.0], [3.0, 0.0, -3.0], [3.0, 0.0, 3.0], [-3.0, 0.0, 3.0]];
+    let sheet = fixed(&mut world, &corners, &[[0, 1, 2, 3]]);
+    assert!(flags(&world, sheet).is_empty());
 }
 
 #[test]

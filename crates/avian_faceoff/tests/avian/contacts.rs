@@ -90,6 +90,27 @@ fn a_rest_offset_keeps_surfaces_apart() {
     assert!(none.abs() < 5e-3, "{none}");
 }
 
+#[test]
+fn a_large_body_rests_no_farther_apart_than_avian_finds_pairs() {
+    let mut scene = Scene::new();
+    scene.floor(Vec3::new(80.0, 20.0, 80.0), Quat::IDENTITY);
+    let mut cube = Body::new(Shape::Cube, Vec3::Y * 10.1, Quat::IDENTITY);
+    cube.scale = Vec3::splat(20.0);
+    scene.add(cube);
+    let mut world = World::new(Contacts::Exact);
+    // 0.69 m: so far apart Avian has no pair, and the cube would hop for ever.
+    world.app.insert_resource(ExactContacts { rest_offset: 0.02 });
+    world.fill(&scene);
+    world.begin();
+    world.steps(3 * HZ);
+    let cube = world.bodies[1];
+    for _ in 0..HZ {
+        world.step();
+        let (gap, speed) = (world.position(cube).y - 10.0, world.velocity(cube).length());
+        assert!((gap - 0.05).abs() < 0.01 && speed < 0.02, "{gap} m, {speed} m/s");
+    }
+}
+
 /// The impulses that contacts begin with.
 #[derive(Resource, Default)]
 struct Starts(Mutex<f64>);

@@ -8,4 +8,5 @@ mod engine_scenes;
 mod rest;
 mod sliding;
 mod steps;
+mod waiting;
 mod world;

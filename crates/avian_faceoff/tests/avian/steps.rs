@@ -67,6 +67,11 @@ fn time_passes_as_fast() {
             "{:?} with {steps} steps",
             clock.elapsed()
         );
+        let delta = clock.delta_secs() * HZ as f32;
+        assert!(
+            (delta - 0.5).abs() < 1e-4,
+            "the last run took {delta} with {steps} steps"
+        );
         world.app.world_mut().resource_mut::<Time<Physics>>().pause();
         // Avian does one more step.
         world.step();
