@@ -45,7 +45,7 @@ fn a_body_that_is_turned_in_every_frame_flies_on() {
         transform.rotate_y(0.01);
     }
     fn turn_to_the_same(transform: &mut Transform) {
-        let rotation = transform.rotation;
+        let Transform { rotation, .. } = *transform;
         transform.rotation = rotation;
     }
     let flight = |schedule: &dyn Fn(&mut App), turn: fn(&mut Transform)| {

@@ -4,7 +4,7 @@ use crate::convert::{from_parry, rotation, to_parry, translation};
 use crate::parry::math::{Pose, Vector};
 use crate::parry::shape::{TriMesh, TriMeshBuilderError, TriMeshFlags};
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::geometry::{self, MeshError};
+use bevy_faceoff::geometry::{self, MeshError, Orientation};
 use bevy_faceoff::queries::{BodyFault, Placed, QueryShape};
 use glam::{DQuat, DVec3, Vec3};
 
@@ -86,7 +86,8 @@ impl ExactMesh {
         if scale.element_product() < 0.0 {
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
-        let flags = flags.unwrap_or(match surface.is_solid() {
+        let is_one_sided = surface.is_solid() && surface.orientation() != Orientation::Mixed;
+        let flags = flags.unwrap_or(match is_one_sided {
             true => TriMeshFlags::FIX_INTERNAL_EDGES | TriMeshFlags::ORIENTED,
             false => TriMeshFlags::empty(),
         });
@@ -106,8 +107,8 @@ impl ExactMesh {
 
     /// The scaled mesh of parry. Its triangles have the indices of the input.
     ///
-    /// If the mesh is solid, the flags are `FIX_INTERNAL_EDGES` and `ORIENTED`. Else there are none, so that faces have two
-    /// sides.
+    /// If the mesh is solid and its winding consistent, the flags are `FIX_INTERNAL_EDGES` and `ORIENTED`. Else there are none, so
+    /// that faces have two sides.
     pub fn surface(&self) -> &TriMesh {
         &self.surface
     }
