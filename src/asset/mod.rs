@@ -5,6 +5,7 @@
 
 mod bytes;
 pub mod collision_mesh;
+mod ears;
 pub mod format;
 mod format_error;
 pub mod gltf;
