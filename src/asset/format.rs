@@ -32,7 +32,7 @@ use std::io::{Read, Write};
 pub const MAGIC: [u8; 8] = *b"FACEOFF\0";
 /// The version of the baker. It changes when the same source and settings give another result. Files of older versions
 /// still load, but are not up to date.
-pub const BAKER_VERSION: u32 = 3;
+pub const BAKER_VERSION: u32 = 4;
 /// Length of the header in bytes; enough for [`read_header`].
 pub const HEADER_LENGTH: usize = 112;
 

@@ -136,7 +136,7 @@ pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
         },
         // The settings of the recipe count, so the mesh is baked again.
         Imported::Baked { mesh, .. } => Imported::Mesh {
-            mesh: mesh.mesh.clone(),
+            mesh: mesh.mesh.clone().as_input(),
             settings: recipe.settings,
             source_hash: baked_hash,
             warnings: Vec::new(),
@@ -218,7 +218,7 @@ impl<'a> Source<'a> {
             }
             Format::Obj => obj::read(bytes, part, &mut warnings)?,
             Format::Off => off::read(bytes, &mut warnings)?,
-            Format::Ply => ply::read(bytes)?,
+            Format::Ply => ply::read(bytes, &mut warnings)?,
             Format::Stl => stl::read(bytes, &mut warnings)?,
         };
         Ok(Imported::Mesh {

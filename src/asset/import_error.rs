@@ -162,6 +162,17 @@ pub enum ImportError {
         /// The number of triangles in the file.
         there: usize,
     },
+    /// A binary STL file says that it has no triangles, but does not end there.
+    #[error(
+        "the file says that it has 0 triangles, but {rest} bytes follow, enough for {there}: its header is wrong; export the mesh \
+         again"
+    )]
+    StlNoTriangles {
+        /// The number of bytes after the header.
+        rest: usize,
+        /// The number of triangles that they may be.
+        there: usize,
+    },
     /// A corner in a binary STL file is NaN or infinite.
     #[error("triangle {face} has a coordinate that is not finite; export the mesh again")]
     StlNotFinite {

@@ -5,6 +5,7 @@
 
 mod bytes;
 pub mod collision_mesh;
+mod ears;
 pub mod format;
 mod format_error;
 pub mod gltf;
@@ -27,7 +28,7 @@ pub use gltf::GltfError;
 pub use import::{ImportError, Imported, import_bytes, import_file, import_part};
 pub use obj::to_obj;
 pub use off::to_off;
-pub use origin::Origin;
+pub use origin::{Origin, input_files};
 pub use part::{MeshPart, NameOrIndex};
 pub use ply::to_ply;
 pub use recipe::Recipe;

@@ -8,7 +8,7 @@
 use super::import_error::ImportError;
 use super::obj_part::Choice;
 use super::part::MeshPart;
-use super::polygons::fan;
+use super::polygons::{Fans, TooMany};
 use super::text::{number, shown, without_byte_order_mark, words};
 use crate::geometry::{MeshError, TriMesh};
 use glam::Vec3;
@@ -16,7 +16,8 @@ use std::fmt::Write;
 
 /// Reads all objects of a file as one mesh, or only the chosen object or group.
 ///
-/// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of
+/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into as many
+/// triangles. The face index counts these triangles in the order of
 /// the file, over all objects and groups or those of the part, before any is dropped. Only `v` and `f` lines are read,
 /// and `o` or `g` lines for a part. Materials, normals, texture coordinates, colours, curves, points and lines are
 /// ignored, as are polygons with fewer than three corners. Negative indices count backwards from the last vertex read.
@@ -78,7 +79,7 @@ pub fn to_obj(mesh: &TriMesh) -> String {
 struct Obj<'a> {
     choice: Option<Choice<'a>>,
     vertices: Vec<Vec3>,
-    faces: Vec<[u32; 3]>,
+    faces: Fans,
     /// Scratch: the corners of a face.
     corners: Vec<u32>,
     /// The largest index that was read before its vertex, and its line.
@@ -124,12 +125,9 @@ impl Obj<'_> {
         }
         if self.choice.as_ref().is_none_or(|choice| choice.inside) {
             self.short += usize::from(corners.len() < 3);
-            for triangle in fan(&corners) {
-                if self.faces.len() >= u32::MAX as usize - 1 {
-                    return Err(ImportError::TooLarge { line });
-                }
-                self.faces.push(triangle);
-            }
+            self.faces
+                .push(&corners)
+                .map_err(|TooMany| ImportError::TooLarge { line })?;
         }
         self.corners = corners;
         Ok(())
@@ -168,7 +166,7 @@ impl Obj<'_> {
     fn finish(self, warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
         if let Some((index, line)) = self.forward
             && index as usize >= self.vertices.len()
-            && !(self.faces.is_empty() && self.choice.is_none())
+            && !(self.faces.triangles.is_empty() && self.choice.is_none())
         {
             return Err(ImportError::NoSuchVertex {
                 line,
@@ -182,13 +180,14 @@ impl Obj<'_> {
                 self.short
             ));
         }
+        let faces = self.faces.finish(&self.vertices, warnings);
         match self.choice {
-            Some(choice) if self.faces.is_empty() => Err(choice.error()),
-            Some(_) => Ok(only_used(&self.vertices, self.faces)?),
-            None if self.faces.is_empty() => Err(ImportError::NoFaces {
+            Some(choice) if faces.is_empty() => Err(choice.error()),
+            Some(_) => Ok(only_used(&self.vertices, faces)?),
+            None if faces.is_empty() => Err(ImportError::NoFaces {
                 vertices: self.vertices.len(),
             }),
-            None => Ok(TriMesh::new(self.vertices, self.faces)?),
+            None => Ok(TriMesh::new(self.vertices, faces)?),
         }
     }
 }

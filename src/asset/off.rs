@@ -12,7 +12,8 @@ use std::fmt::Write;
 
 /// Reads a file as one mesh.
 ///
-/// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of the
+/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into as many
+/// triangles. The face index counts these triangles in the order of the
 /// file, before any is dropped.
 pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     let mut lines = (1..)
@@ -63,7 +64,7 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, 
              {face_count} faces"
         ));
     }
-    polygons.finish(vertices)
+    polygons.finish(vertices, warnings)
 }
 
 /// Writes a mesh as the text of an OFF file: all its faces, also those of zero area, in the order of their ids, wound as they are.

@@ -5,7 +5,7 @@ use super::import::{ImportError, Source, in_file, read_file, source_hash};
 use super::part::MeshPart;
 use super::recipe::{Recipe, is_recipe};
 use crate::projection::BakeSettings;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What [`import_file`](super::import_file) would say of the origin of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,4 +58,31 @@ impl Origin {
             settings: BakeSettings::default(),
         })
     }
+}
+
+/// The files that [`import_file`](super::import_file) reads for a path: itself, the mesh that a recipe names, and the buffers of a
+/// glTF file. A file that cannot be read names no others.
+pub fn input_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
+    let mut files = vec![path.as_ref().to_owned()];
+    if is_recipe(&files[0].to_string_lossy())
+        && let Ok(bytes) = read_file(&files[0])
+        && let Ok(recipe) = Recipe::parse(&bytes)
+    {
+        files.push(files[0].with_file_name("").join(recipe.mesh));
+    }
+    let mesh = files[files.len() - 1].clone();
+    // Others name no files, and may be long.
+    let is_gltf = |name: &str| {
+        [".gltf", ".glb"]
+            .iter()
+            .any(|end| name.to_ascii_lowercase().ends_with(end))
+    };
+    if is_gltf(&mesh.to_string_lossy())
+        && let Ok(bytes) = read_file(&mesh)
+        && let Ok(source) = Source::open(&mesh.to_string_lossy(), bytes)
+        && let Ok(buffers) = source.files(true)
+    {
+        files.extend(buffers.iter().map(|buffer| mesh.with_file_name("").join(buffer)));
+    }
+    files
 }

@@ -16,9 +16,10 @@ use ply_rs_bw::ply::{
 
 /// Reads the elements `vertex`, `face` and `tristrips` of a file as one mesh. Others are skipped.
 ///
-/// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of the
+/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into as many
+/// triangles. The face index counts these triangles in the order of the
 /// file, before any is dropped.
-pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     if !is_likely(bytes) {
         return Err(ImportError::NotPly);
     }
@@ -54,7 +55,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
             }
         }
     }
-    polygons.finish(vertices)
+    let rest = reader.get_ref().trim_ascii_start().len();
+    if rest > 0 {
+        warnings.push(format!(
+            "{rest} bytes after the last element are not read; the header tells of no more"
+        ));
+    }
+    polygons.finish(vertices, warnings)
 }
 
 /// Writes a mesh as a PLY file, binary with the low byte first: all its faces, also those of zero area, in the order of their ids,

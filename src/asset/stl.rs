@@ -88,6 +88,9 @@ fn read_binary(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, Impo
     }
     // A comment or padding; or triangles, if the header is wrong.
     let rest = body.len() - triangles as usize * TRIANGLE;
+    if triangles == 0 && rest > 0 {
+        return Err(ImportError::StlNoTriangles { rest, there });
+    }
     if rest > 0 {
         warnings.push(format!(
             "{rest} bytes after the last of its {triangles} triangles are not read"

@@ -1,7 +1,8 @@
 //! OBJ files and recipes, honest and hostile.
 
+use bevy_faceoff::asset::format::to_bytes;
 use bevy_faceoff::asset::recipe::RecipeError;
-use bevy_faceoff::asset::{ImportError, Imported, Recipe, import_bytes, import_file, to_obj};
+use bevy_faceoff::asset::{CollisionMesh, ImportError, Imported, Recipe, import_bytes, import_file, to_obj};
 use bevy_faceoff::geometry::{MeshError, Orientation, TriMesh, shapes};
 use bevy_faceoff::projection::{BakeSettings, Inward};
 use proptest::prelude::*;
@@ -323,5 +324,28 @@ proptest! {
     fn no_obj_like_text_panics(text in "([vf#\\\\]|[0-9]{1,3}|-1|/|\\.|e|nan| |\n|\r){0,80}") {
         let _ = obj(&text);
         let _ = obj(&format!("{SQUARE}{text}"));
+    }
+}
+
+#[test]
+fn a_recipe_of_a_baked_file_gives_the_faces_of_its_source() {
+    let folder = tempfile::tempdir().unwrap();
+    let cube = shapes::cube(1.0);
+    let faces = cube.triangles().iter().enumerate();
+    let turned = faces.map(|(i, &[a, b, c])| if i % 3 == 0 { [a, c, b] } else { [a, b, c] });
+    let source = TriMesh::new(cube.vertices().to_vec(), turned.collect()).unwrap();
+    let baked = CollisionMesh::new(&source);
+    assert!(!baked.mesh.turned().is_empty());
+    std::fs::write(folder.path().join("a.faceoff"), to_bytes(&baked, [0; 32])).unwrap();
+    std::fs::write(folder.path().join("b.bake.ron"), r#"(mesh: "a.faceoff")"#).unwrap();
+    let read = import_file(folder.path().join("b.bake.ron")).unwrap();
+    let mut faces: Vec<_> = (read.mesh().face_ids().iter().zip(read.mesh().triangles())).collect();
+    faces.sort_unstable();
+    let corners = |mesh: &TriMesh, face: &[u32; 3]| face.map(|v| mesh.vertices()[v as usize]);
+    for ((_, face), wanted) in faces.into_iter().zip(source.triangles()) {
+        let (mut a, b) = (corners(read.mesh(), face), corners(&source, wanted));
+        let at = a.iter().position(|&p| p == b[0]).unwrap();
+        a.rotate_left(at);
+        assert_eq!(a, b);
     }
 }

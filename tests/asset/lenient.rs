@@ -155,3 +155,53 @@ fn packages_of_3mf_are_told_what_to_do() {
         assert!(message.contains("OBJ, STL, PLY"), "{message}");
     }
 }
+
+#[test]
+fn what_follows_the_last_element_of_a_ply_file() {
+    let cube = shapes::cube(1.0);
+    for bytes in crate::ply_files::all_kinds(&cube) {
+        assert_eq!(read("x.ply", &bytes).1, [""; 0]);
+        assert_eq!(read("x.ply", [&bytes[..], b"\n\n"].concat()).1, [""; 0]);
+        warned(
+            "x.ply",
+            &[&bytes[..], b"3 0 1 2"].concat(),
+            &["7 bytes after the last element"],
+        );
+    }
+}
+
+#[test]
+fn what_is_not_read_of_a_gltf_file_is_told() {
+    let cube = shapes::cube(1.0);
+    let instances = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}});
+    let hidden = json!({"KHR_node_visibility": {"visible": false}});
+    for (key, value, word) in [
+        ("extensions", instances, "EXT_mesh_gpu_instancing"),
+        ("extensions", hidden, "KHR_node_visibility"),
+        ("skin", json!(0), "skins"),
+    ] {
+        let mut gltf = Gltf::of(&cube);
+        gltf.json["nodes"][0][key] = value;
+        warned("x.glb", &gltf.glb(), &["1 nodes", word]);
+    }
+    let mut gltf = Gltf::of(&cube);
+    gltf.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 0}]);
+    warned("x.glb", &gltf.glb(), &["1 primitives", "morph targets"]);
+    // What changes nothing is not told.
+    let mut gltf = Gltf::of(&cube);
+    gltf.json["nodes"][0]["extensions"] = json!({"KHR_node_visibility": {"visible": true}, "other": 1});
+    gltf.json["skins"] = json!([{"joints": [0]}]);
+    assert_eq!(read("x.glb", gltf.glb()).1, [""; 0]);
+}
+
+/// By the specification only its joints place it.
+#[test]
+fn the_node_of_a_mesh_with_a_skin_does_not_place_it() {
+    let cube = shapes::cube(1.0);
+    let mut gltf = Gltf::of(&cube);
+    gltf.json["nodes"][0]["translation"] = json!([5.0, 0.0, 0.0]);
+    let moved = read("x.glb", gltf.glb()).0;
+    assert_eq!(moved.vertices()[0].x, cube.vertices()[0].x + 5.0);
+    gltf.json["nodes"][0]["skin"] = json!(0);
+    assert_eq!(read("x.glb", gltf.glb()).0.vertices(), cube.vertices());
+}

@@ -12,5 +12,6 @@ mod other_readers;
 mod outside;
 mod parts;
 mod ply;
+mod polygons;
 mod stl;
 mod writers;

@@ -32,7 +32,13 @@ fn with_area(triangles: Vec<Triangle>) -> Vec<Triangle> {
     }
 }
 
-/// Random text of an OBJ file with objects `a`, `b` and so on: polygons of 1 to 7 corners of every form, with indices
+/// A corner of a convex polygon of at most 60 corners. Fans of such are what all readers make of polygons.
+fn on_a_ring(corner: i32) -> [f32; 3] {
+    let (y, x) = (corner as f32 * 0.1).sin_cos();
+    [4.0 * x + y, 3.0 * y, x - 2.0 * y]
+}
+
+/// Random text of an OBJ file with objects `a`, `b` and so on: convex polygons of 1 to 7 corners of every form, with indices
 /// that count from the start or back.
 fn random_obj(random: &mut Rng) -> String {
     let mut text = String::from("# made by a test\nmtllib none.mtl\nvt 0 0\nvt 1 0\nvn 0 0 1\n");
@@ -42,15 +48,16 @@ fn random_obj(random: &mut Rng) -> String {
     for object in 0..random.usize(1..6) {
         writeln!(text, "o {}", ["a", "b", "c d", "a"][object % 4]).unwrap();
         for _ in 0..random.usize(3..12) {
-            let [x, y, z] = [(); 3].map(|()| random.f32() * 8.0 - 4.0);
+            let [x, y, z] = on_a_ring(vertices);
             writeln!(text, "v {x} {y:e} {z}{color}").unwrap();
             vertices += 1;
         }
         for _ in 0..random.usize(1..9) {
             text += ["f", " f ", "\tf\t"][random.usize(..3)];
             let form = random.usize(..4);
-            for _ in 0..random.usize(1..8) {
-                let back = random.i32(1..=vertices);
+            let mut corners: Vec<i32> = (0..random.usize(1..8)).map(|_| random.i32(1..=vertices)).collect();
+            corners.sort_unstable();
+            for back in corners {
                 let index = if random.bool() { -back } else { vertices + 1 - back };
                 match form {
                     0 => write!(text, " {index}"),
@@ -336,8 +343,10 @@ fn ply_as_its_crate_tells_it() {
         for _ in 0..face_count {
             let corners = random.usize(3..7);
             write!(faces, "{corners}").unwrap();
-            for _ in 0..corners {
-                write!(faces, " {}", random.usize(..count)).unwrap();
+            let mut corners: Vec<usize> = (0..corners).map(|_| random.usize(..count)).collect();
+            corners.sort_unstable();
+            for corner in corners {
+                write!(faces, " {corner}").unwrap();
             }
             faces += "\n";
         }
@@ -345,8 +354,8 @@ fn ply_as_its_crate_tells_it() {
             "ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\nproperty uchar \
              red\nelement face {face_count}\nproperty list uchar int vertex_indices\nend_header\n"
         );
-        for _ in 0..count {
-            let [x, y, z] = [(); 3].map(|()| random.f32() * 8.0 - 4.0);
+        for vertex in 0..count {
+            let [x, y, z] = on_a_ring(vertex as i32);
             writeln!(text, "{x} {y} {z} 255").unwrap();
         }
         text += &faces;

@@ -205,3 +205,14 @@ proptest! {
         let _ = stl(format!("solid\n{FACET}{text}"));
     }
 }
+
+#[test]
+fn a_header_without_triangles_before_triangles_is_wrong() {
+    let mut bytes = binary("a", &shapes::cube(1.0));
+    bytes[80..84].fill(0);
+    let message = import_bytes("x.stl", &bytes).unwrap_err().to_string();
+    assert!(
+        message.contains("0 triangles, but 600 bytes follow, enough for 12"),
+        "{message}"
+    );
+}

@@ -156,7 +156,7 @@ fn settings_out_of_range_are_refused_by_name() {
         ("--image", "0"),
     ] {
         let arguments = ["bake", "torus.obj", "-o", "out", "--faces", option, value];
-        folder.bad(&arguments, &["torus.obj", &option[2..], value]);
+        folder.bad(&arguments, &[&option[2..], value]);
         assert!(!folder.path("out/torus.faceoff").exists());
     }
     folder.bad(

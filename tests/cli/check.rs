@@ -260,3 +260,11 @@ fn faces_that_nobody_asked_for_are_not_kept() {
     assert!(said.starts_with("80 bodies, 3160 touching pairs\n"), "{said}");
     assert!((1..400_000).contains(&most), "{most} KiB");
 }
+
+#[test]
+fn a_scene_may_begin_with_a_byte_order_mark() {
+    let folder = scene(THREE);
+    let usual = pairs(&folder, &[]);
+    folder.write("scene.ron", format!("\u{feff}{}", with_meshes(THREE)));
+    assert_eq!(pairs(&folder, &[]), usual);
+}

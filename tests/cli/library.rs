@@ -245,3 +245,36 @@ fn exit_codes_tell_a_failed_mesh_from_a_wrong_command_line() {
     folder.write("in_the_way", "");
     assert_eq!(run(&["--json", "in_the_way/summary.json"]).0, Some(1));
 }
+
+#[test]
+fn a_recipe_is_not_baked_over_the_baked_file_that_it_names() {
+    let folder = Folder::new();
+    cube(&folder, "knot.obj");
+    folder.good(&["bake", "knot.obj", "-o", "lib"]);
+    folder.write("lib/knot.bake.ron", r#"(mesh: "knot.faceoff", settings: (image: 128))"#);
+    let before = files(&folder, "lib");
+    folder.bad(
+        &["bake", "lib", "-o", "lib"],
+        &["lib/knot.bake.ron", "lib/knot.faceoff", "another folder"],
+    );
+    assert_eq!(files(&folder, "lib"), before);
+    folder.good(&["bake", "lib", "-o", "out"]);
+    assert!(folder.good(&["bake", "lib", "-o", "out"]).contains("1 up to date"));
+}
+
+#[test]
+fn a_faulty_recipe_beside_its_mesh_is_told() {
+    let folder = Folder::new();
+    cube(&folder, "lib/knot.obj");
+    for (recipe, word) in [
+        (r#"(mesh: "knot.obj", setings: ())"#, "line 1, column"),
+        (r#"(mesh: "knto.obj")"#, "knto.obj"),
+    ] {
+        folder.write("lib/knot.bake.ron", recipe);
+        let run = folder.bad(
+            &["bake", "lib", "-o", "out"],
+            &["lib/knot.bake.ron", "this recipe cannot be used", word],
+        );
+        assert!(!run.stderr.contains("into the same file"), "{}", run.stderr);
+    }
+}

@@ -171,3 +171,26 @@ fn unknown_commands_and_options_are_refused() {
     folder.bad(&["repair", "torus.obj", "-o", "a.obj", "--close-holes", "-1"], &["-1"]);
     assert!(!folder.run(&[]).success);
 }
+
+#[test]
+fn a_wrong_command_line_has_an_exit_code_of_its_own() {
+    let folder = Folder::new();
+    folder.asset("torus.obj");
+    for (arguments, code) in [
+        (&["bake", "torus.obj", "-o", "out", "--degrees", "7"][..], 2),
+        (&["bake", "torus.obj", "-o", "out", "--weld-tolerance", "5"], 2),
+        (&["image", "torus.obj", "--image", "0", "-o", "o.png"], 2),
+        (&["image", "torus.obj", "-o", "o.jpg"], 2),
+        (&["repair", "torus.obj", "-o", "o.txt"], 2),
+        (&["repair", "torus.obj", "-o", "o.obj", "--weld=5"], 2),
+        (&["repair", "torus.obj", "-o", "torus.obj"], 2),
+        (&["simulate", "--bodies", "99999999999"], 2),
+        (&["simulate", "--scene", "stack", "--side", "3"], 2),
+        (&["simulate", "--speed=-1"], 2),
+        (&["dance"], 2),
+        (&["bake", "none.obj", "-o", "out"], 1),
+        (&["repair", "none.obj", "-o", "o.obj"], 1),
+    ] {
+        folder.command(arguments).assert().code(code);
+    }
+}

@@ -231,3 +231,55 @@ fn a_file_is_replaced_as_if_it_were_written() {
         assert!(!Path::new("/dev/null").is_file());
     }
 }
+
+/// A folder with files that commands read.
+fn inputs() -> Folder {
+    let folder = scene();
+    folder.write("cube.bake.ron", r#"(mesh: "cube.obj")"#);
+    folder.write(
+        "gm/mesh.gltf",
+        r#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 3, "uri": "b.bin"}]}"#,
+    );
+    folder.write("gm/b.bin", "abc");
+    folder.write("noext", folder.read("cube.obj"));
+    folder
+}
+
+#[test]
+fn no_output_is_written_over_what_the_command_reads_or_writes() {
+    for (arguments, file) in [
+        (&["bake", "cube.obj", "-o", "out", "--json", "cube.obj"][..], "cube.obj"),
+        (
+            &["bake", "cube.bake.ron", "-o", "out", "--json", "./cube.obj"],
+            "cube.obj",
+        ),
+        (&["bake", "gm", "-o", "out", "--json", "gm/b.bin"], "gm/b.bin"),
+        (
+            &["bake", "cube.obj", "-o", "out", "--json", "out/cube.faceoff"],
+            "out/cube.faceoff",
+        ),
+        (&["simulate", "--shape", "cube.obj", "--json", "cube.obj"], "cube.obj"),
+        (
+            &["simulate", "--shape", "cube.bake.ron", "--json", "cube.bake.ron"],
+            "cube.bake.ron",
+        ),
+        (&["check", "scene.ron", "--json", "scene.ron"], "scene.ron"),
+        (&["check", "scene.ron", "--json", "gm/../cube.obj"], "cube.obj"),
+        (
+            &["repair", "cube.obj", "-o", "same.obj", "--json", "same.obj"],
+            "same.obj",
+        ),
+        (&["repair", "cube.obj", "--in-place", "--json", "cube.obj"], "cube.obj"),
+        (
+            &["repair", "gm/mesh.gltf", "-o", "o.obj", "--json", "gm/b.bin"],
+            "gm/b.bin",
+        ),
+        (&["image", "noext", "-o", "noext"], "noext"),
+    ] {
+        let folder = inputs();
+        let before = crate::library::files(&folder, ".");
+        folder.bad(arguments, &[file, "give another name"]);
+        assert_eq!(crate::library::files(&folder, "."), before, "{arguments:?}");
+        folder.command(arguments).assert().code(2);
+    }
+}

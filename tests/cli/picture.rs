@@ -216,3 +216,14 @@ fn frames_show_the_bodies_of_every_kth_step_and_of_the_last() {
         &["file/x"],
     );
 }
+
+#[test]
+fn what_is_flat_is_not_black() {
+    let folder = Folder::new();
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    let run = folder.run(&["image", "flat.obj", "--image", "64", "-o", "flat.png"]);
+    assert!(run.success, "{}", run.stderr);
+    let middle = png(&folder, "flat.png").get_pixel(12 + 32, 32 + 32).0;
+    // The colour of the highest heights.
+    assert_eq!(middle, [253, 231, 37]);
+}

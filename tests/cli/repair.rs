@@ -146,10 +146,10 @@ fn the_mesh_itself_is_overwritten_only_if_asked_for() {
     folder.write("deep/none", "");
     for output in ["ball.obj", "./ball.obj", "deep/../ball.obj"] {
         folder.bad(&["repair", "ball.obj", "-o", output], &[output, "--in-place"]);
-        folder.bad(&["repair", "ball.bake.ron", "-o", output], &[output, "ball.bake.ron"]);
+        folder.bad(&["repair", "ball.bake.ron", "-o", output], &[output, "another name"]);
         folder.bad(
             &["repair", "ball.obj", "-o", "new.obj", "--json", output],
-            &[output, "--in-place"],
+            &[output, "another name"],
         );
     }
     #[cfg(unix)]
@@ -220,4 +220,56 @@ fn what_cannot_be_read_or_written_is_refused() {
         folder.bad(&["repair", "torus.obj", "-o", "new.obj", &weld], &["--weld"]);
     }
     assert!(!folder.path("new.obj").exists());
+}
+
+#[test]
+fn what_is_not_kept_of_a_file_is_told() {
+    let folder = Folder::new();
+    let extras = "vt 0 0\nvt 1 0\nvn 0 0 1\no part\nusemtl red\n";
+    let sound = format!("{extras}{}", to_obj(&shapes::cube(1.0)));
+    folder.write("sound.obj", &sound);
+    folder.write("broken.obj", format!("{extras}{}", to_obj(&broken_ball())));
+    // Nothing is wrong with it, so it stays as it is.
+    folder.good(&["repair", "sound.obj", "--in-place"]);
+    assert_eq!(folder.read("sound.obj"), sound.as_bytes());
+    for arguments in [["sound.obj", "-o", "new.obj"], ["broken.obj", "--in-place", "--weld"]] {
+        let run = folder.run(&[&["repair"], &arguments[..]].concat());
+        assert!(run.success, "{}", run.stderr);
+        for words in ["2 vt lines", "1 vn lines", "1 o lines", "1 usemtl lines"] {
+            assert_eq!(
+                run.stderr.contains(words),
+                arguments[0] == "sound.obj",
+                "{}",
+                run.stderr
+            );
+        }
+    }
+    let run = folder.run(&["repair", "broken.obj", "--in-place"]);
+    assert!(
+        run.stderr.contains("broken.obj: only positions and faces"),
+        "{}",
+        run.stderr
+    );
+    folder.write(
+        "x.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+         element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n",
+    );
+    let run = folder.run(&["repair", "x.ply", "-o", "y.ply"]);
+    assert!(
+        run.stderr.contains("not kept: the property red of vertex\n"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn a_recipe_of_a_baked_file_is_repaired_as_its_source() {
+    let folder = Folder::new();
+    folder.write("ball.obj", to_obj(&broken_ball()));
+    assert!(folder.run(&["bake", "ball.obj", "-o", "."]).success);
+    folder.write("recipe.bake.ron", r#"(mesh: "ball.faceoff")"#);
+    folder.good(&["repair", "ball.obj", "-o", "a.obj", "--drop"]);
+    folder.good(&["repair", "recipe.bake.ron", "-o", "b.obj", "--drop", "--json", "b.json"]);
+    assert_eq!(folder.read("a.obj"), folder.read("b.obj"));
 }

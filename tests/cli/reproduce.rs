@@ -12,6 +12,7 @@ fn a_quick_report_is_complete() {
 
     let json: Value = serde_json::from_slice(&folder.read("report/report.json")).unwrap();
     assert_eq!(json["meta"]["seed"], "1");
+    assert_eq!(json["meta"]["command"], "reproduce --backend cpu --quick --seed 1");
     assert_eq!(json["meta"]["GPU adapter"], "none was measured");
     let columns: Vec<&str> = strings(&json["tables"]["table1"]["columns"]);
     let at = |name: &str| columns.iter().position(|c| *c == name).unwrap();

@@ -207,11 +207,11 @@ fn no_bodies_one_body_and_no_steps_are_scenes_too() {
 fn scenes_rest_hang_slide_pour_and_screw() {
     let folder = Folder::new();
     for (scene, bodies, more) in [
-        ("chain", 5, &["--bodies", "4"][..]),
-        ("stack", 4, &["--bodies", "3"]),
-        ("pour", 13, &["--bodies", "8", "--shape", "torus"]),
-        ("incline", 7, &[]),
-        ("nut", 2, &[]),
+        ("chain", 4, &["--bodies", "4"][..]),
+        ("stack", 3, &["--bodies", "3"]),
+        ("pour", 8, &["--bodies", "8", "--shape", "torus"]),
+        ("incline", 6, &[]),
+        ("nut", 1, &[]),
     ] {
         let json = simulate(&folder, &[&["--scene", scene, "--steps", "64"], more].concat());
         let (meta, steps) = (&json["meta"], json["steps"].as_array().unwrap());
@@ -345,4 +345,27 @@ fn without_a_card_and_a_desktop_standard_error_stays_empty() {
         .unwrap();
     assert!(output.status.success());
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
+
+/// Some leave the range of coordinates.
+#[test]
+fn bodies_that_take_no_part_are_told() {
+    let folder = Folder::new();
+    let far = [
+        "--side",
+        "1e9",
+        "--speed",
+        "1e9",
+        "--response",
+        "none",
+        "--steps",
+        "200",
+    ];
+    let run = folder.run(&[&["simulate", "--bodies", "20", "--backend", "cpu"], &far[..]].concat());
+    assert!(run.success, "{}", run.stderr);
+    assert!(
+        run.stderr.contains("takes no part: it reaches beyond"),
+        "{}",
+        run.stderr
+    );
 }

@@ -228,3 +228,28 @@ fn ten_thousand_shells_take_no_time() {
     assert_eq!(baked.mesh.orientation(), Orientation::Outward);
     assert!((baked.mass.volume - 1250.0).abs() < 0.01, "{}", baked.mass.volume);
 }
+
+/// Cubes in cubes, many of them.
+#[test]
+fn the_order_of_the_file_does_not_decide_what_is_inside() {
+    let (large, small) = (shapes::cube(1.0), shapes::cube(0.5));
+    let parts: Vec<(&TriMesh, Vec3, Wound)> = (0..200_u32)
+        .flat_map(|i| {
+            let at = Vec3::new((i % 6) as f32, (i / 6 % 6) as f32, (i / 36) as f32) * 1.5;
+            [(&large, at, Wound::Randomly(i)), (&small, at, Wound::Outward)]
+        })
+        .collect();
+    let mesh = joined(&parts);
+    let oriented = CollisionMesh::new(&mesh);
+    let count = mesh.triangles().len();
+    // 7919 is prime, so this is a permutation.
+    let order: Vec<usize> = (0..count).map(|i| i * 7919 % count).collect();
+    let shuffled = order.iter().map(|&t| mesh.triangles()[t]).collect();
+    let shuffled = CollisionMesh::new(&TriMesh::new(mesh.vertices().to_vec(), shuffled).unwrap());
+    let turned = |baked: &CollisionMesh, face: usize| baked.mesh.turned()[face];
+    for (at, &face) in order.iter().enumerate() {
+        assert_eq!(turned(&shuffled, at), turned(&oriented, face));
+    }
+    let inside = |baked: &CollisionMesh| baked.mesh.defects().count(DefectKind::SolidInSolid);
+    assert_eq!((inside(&oriented), inside(&shuffled)), (200, 200));
+}

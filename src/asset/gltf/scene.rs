@@ -2,7 +2,7 @@
 
 use super::accessor::Data;
 use super::error::GltfError;
-use super::schema::{Mesh, Node, Primitive};
+use super::schema::{Mesh, Node, Primitive, Root};
 use crate::asset::import_error::ImportError;
 use crate::asset::part::NameOrIndex;
 use crate::geometry::TriMesh;
@@ -34,6 +34,41 @@ pub(super) fn read_node(data: &Data, choice: &NameOrIndex) -> Result<TriMesh, Im
     soup.finish("the chosen node; does it contain only points, lines or curves?")
 }
 
+/// What the nodes and meshes of a document have that is not read, and that may change or place their shapes.
+pub(super) fn warn_unread(root: &Root, warnings: &mut Vec<String>) {
+    let with = |has: fn(&Node) -> bool| {
+        root.nodes
+            .iter()
+            .filter(|&node| node.mesh.is_some() && has(node))
+            .count()
+    };
+    let is_hidden = |node: &&Node| (node.extensions.visibility.as_ref()).is_some_and(|one| one.visible == Some(false));
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    for (count, what) in [
+        (
+            with(|node| node.extensions.instances.is_some()),
+            "nodes have instances (EXT_mesh_gpu_instancing), which are not read: each mesh is there once; export them as nodes",
+        ),
+        (
+            with(|node| node.skin.is_some()),
+            "nodes have skins, which are not applied: their meshes are as they were modelled, not moved by nodes; export the pose \
+             that is wanted as a mesh",
+        ),
+        (
+            root.nodes.iter().filter(is_hidden).count(),
+            "nodes are hidden (KHR_node_visibility), but read all the same; choose a part, or export without them",
+        ),
+        (
+            primitives.filter(|primitive| primitive.targets.is_some()).count(),
+            "primitives have morph targets, which are not applied: they have their first shape",
+        ),
+    ] {
+        if count > 0 {
+            warnings.push(format!("{count} {what}"));
+        }
+    }
+}
+
 /// The meshes of the nodes on a stack and of all nodes below them. Each has the transform of its parent beside it. The
 /// transform of the node `origin` itself is not applied.
 fn read_nodes<'a>(
@@ -56,6 +91,12 @@ fn read_nodes<'a>(
             _ => above * local(node).map_err(wrong)?,
         };
         if let Some(mesh) = node.mesh {
+            // The joints alone place a mesh with a skin.
+            let transform = if node.skin.is_some() {
+                DAffine3::IDENTITY
+            } else {
+                transform
+            };
             let found = root.meshes.get(mesh).ok_or(wrong("its mesh does not exist"))?;
             for primitive in 0..found.primitives.len() {
                 soup.add(mesh, found, primitive, Some((index, transform)))?;

@@ -2,7 +2,7 @@
 
 use crate::scene_file::{BodyEntry, SceneFile};
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
-use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::asset::{CollisionMesh, input_files};
 use bevy_faceoff::gpu::device;
 use bevy_faceoff::queries::{Check, CheckError, CheckOptions, Placement, TouchingPair, check_on_gpu};
 use bevy_faceoff::step::gpu::GpuStep;
@@ -55,11 +55,14 @@ struct PairReport {
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
     let path = options.scene.as_path();
+    let scene = scene(path)?;
     if let Some(json) = &options.json {
+        let meshes = scene.meshes.values().flat_map(|file| input_files(beside(path, file)));
+        output::refuse(json, meshes.chain([path.to_owned()]))?;
         // Find out before the work whether the file can be written.
         output::check(json)?;
     }
-    let placements = placements(path, options.culling)?;
+    let placements = placements(path, &scene, options.culling)?;
     let how = CheckOptions {
         culling: options.culling.into(),
     };
@@ -116,15 +119,23 @@ fn read(path: &Path) -> io::Result<String> {
     Ok(text)
 }
 
-fn placements(path: &Path, culling: CullingChoice) -> Outcome<Vec<Placement>> {
+fn scene(path: &Path) -> Outcome<SceneFile> {
     let name = path.display();
     let text = read(path).map_err(|e| format!("cannot read {name}: {e}"))?;
-    let scene = SceneFile::parse(&text)
-        .map_err(|e| format!("{name}:{e}; see `faceoff check --help` for the format of a scene"))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
+    Ok(SceneFile::parse(&text)
+        .map_err(|e| format!("{name}:{e}; see `faceoff check --help` for the format of a scene"))?)
+}
+
+/// The path of a file that a scene names.
+fn beside(scene: &Path, file: &Path) -> PathBuf {
+    scene.parent().unwrap_or(Path::new("")).join(file)
+}
+
+fn placements(path: &Path, scene: &SceneFile, culling: CullingChoice) -> Outcome<Vec<Placement>> {
+    let name = path.display();
     let mut meshes: HashMap<&str, CollisionMesh> = HashMap::new();
     for (mesh, file) in &scene.meshes {
-        meshes.insert(mesh, mesh::load(&folder.join(file), culling)?);
+        meshes.insert(mesh, mesh::load(&beside(path, file), culling)?);
     }
     let place = |(i, body): (usize, &BodyEntry)| {
         let mesh = meshes.get(body.mesh.as_str()).ok_or_else(|| {

@@ -59,13 +59,19 @@ impl Headless {
 /// Updates until the next step is done, and returns its report.
 ///
 /// While kernels compile there are no steps, and results of a GPU may come some updates later. Failures of a device are
-/// warnings, because the step goes on elsewhere.
+/// warnings, because the step goes on elsewhere, and so are bodies that it cannot take.
 pub fn step(app: &mut App) -> Outcome<&StepReport> {
     let before = app.world().resource::<StepReport>().step;
     loop {
         app.update();
         for failure in app.world_mut().resource_mut::<Messages<BackendFailed>>().drain() {
             output::log(&format!("warning: {}", failure.reason));
+        }
+        for rejected in app.world_mut().resource_mut::<Messages<BodyRejected>>().drain() {
+            output::log(&format!(
+                "warning: {} takes no part: {}",
+                rejected.entity, rejected.fault
+            ));
         }
         check_backend(app)?;
         if app.world().resource::<StepReport>().step > before {

@@ -2,7 +2,7 @@
 
 use crate::canvas::{CHARACTER, Canvas, INK};
 use crate::marks::Marks;
-use crate::{CullingChoice, Outcome, mesh};
+use crate::{CullingChoice, Outcome, Wrong, mesh, output};
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::geometry::direction::Angles;
 use bevy_faceoff::projection::{BakeSettings, HeightImage};
@@ -44,14 +44,16 @@ const STEP: i32 = 30;
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
     png_only(&options.output)?;
+    output::refuse(&options.output, mesh::files(&options.mesh))?;
     let size = options.image.unwrap_or(if options.sheet { 96 } else { 512 });
     BakeSettings {
         image: size,
         ..BakeSettings::default()
     }
-    .validate()?;
+    .validate()
+    .map_err(|error| Wrong(error.to_string()))?;
     if !(options.about_x.is_finite() && options.about_y.is_finite()) {
-        return Err("--about-x and --about-y must be finite angles in degrees".into());
+        return Err(Wrong("--about-x and --about-y must be finite angles in degrees".into()).into());
     }
     let mesh = mesh::shape(&options.mesh, CullingChoice::Exact)?;
     let canvas = if options.sheet {
@@ -65,10 +67,10 @@ pub fn run(options: &Options) -> Outcome {
 /// Rejects names with the extension of another format.
 fn png_only(path: &Path) -> Outcome {
     match path.extension() {
-        Some(extension) if !extension.eq_ignore_ascii_case("png") => Err(format!(
+        Some(extension) if !extension.eq_ignore_ascii_case("png") => Err(Wrong(format!(
             "{}: images are written as PNG only; give a name that ends in .png",
             path.display()
-        )
+        ))
         .into()),
         _ => Ok(()),
     }
@@ -97,7 +99,9 @@ pub fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32, defects: bo
     let mut canvas = Canvas::new(width, top + size + MARGIN + legend[1]);
     let scale = if defects { grey } else { scale };
 
-    paint(&mut canvas, left, top, &picture, |height, _| scale(height / highest));
+    paint(&mut canvas, left, top, &picture, |height, _| {
+        scale(share(height, highest))
+    });
     canvas.text(left, MARGIN, &format!("height, about x {about_x}, about y {about_y}"));
     for y in 0..size {
         let share = 1.0 - y as f32 / (size - 1) as f32;
@@ -112,7 +116,7 @@ pub fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32, defects: bo
         }
         let height = highest * (1.0 - tick as f32 / 4.0);
         let label = y.saturating_sub(CHARACTER / 2).clamp(top, top + size - CHARACTER);
-        canvas.text(bar + BAR.0 + 6, label, &format!("{height:.3}"));
+        canvas.text(bar + BAR.0 + 6, label, &significant(height));
     }
     if let Some(marks) = &marks {
         marks.paint(&mut canvas, [left, top]);
@@ -151,7 +155,7 @@ fn sheet(mesh: &TriMesh, size: u32) -> Canvas {
             canvas.text(x, y, &format!("{a},{b}"));
             let picture = HeightImage::draw(mesh, direction(a as f32, b as f32), size);
             paint(&mut canvas, x, y + CHARACTER, &picture, |height, _| {
-                scale(height / highest)
+                scale(share(height, highest))
             });
         }
     }
@@ -165,6 +169,22 @@ fn paint(canvas: &mut Canvas, left: u32, top: u32, picture: &HeightImage, colour
     for (i, (&height, &face)) in pixels.filter(|(_, (_, face))| **face != HeightImage::NONE) {
         let (x, y) = (i as u32 % size, i as u32 / size);
         canvas.set(left + x, top + size - 1 - y, colour(height, face));
+    }
+}
+
+/// A height from 0 to 1. What is flat is at its highest everywhere.
+fn share(height: f32, highest: f32) -> f32 {
+    if highest > 0.0 { height / highest } else { 1.0 }
+}
+
+/// A height with four digits, in the few characters that there are.
+fn significant(height: f32) -> String {
+    if height == 0.0 {
+        return "0".into();
+    }
+    match height.log10().floor() as i32 {
+        magnitude @ -3..=4 => format!("{height:.*}", (3 - magnitude).max(0) as usize),
+        _ => format!("{height:.3e}"),
     }
 }
 
@@ -183,4 +203,27 @@ fn grey(share: f32) -> [u8; 3] {
 fn hue(face: u32) -> [u8; 3] {
     let colour = colorous::SINEBOW.eval_continuous((f64::from(face) * 0.618_033_988_75).fract());
     [colour.r, colour.g, colour.b]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BAR, CHARACTER, significant};
+
+    #[test]
+    fn heights_of_any_size_have_four_digits() {
+        for (height, text) in [
+            (0.0, "0"),
+            (0.0004567, "4.567e-4"),
+            (0.004567, "0.004567"),
+            (0.25, "0.2500"),
+            (3.0, "3.000"),
+            (1234.5, "1234"),
+            (98765.0, "98765"),
+            (1.5e30, "1.500e30"),
+            (1.5e-30, "1.500e-30"),
+        ] {
+            assert_eq!(significant(height), text);
+            assert!(text.len() as u32 * CHARACTER <= BAR.1, "{text} fits");
+        }
+    }
 }

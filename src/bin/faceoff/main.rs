@@ -9,6 +9,7 @@ mod gpu_work;
 mod headless;
 mod image;
 mod inspect;
+mod lost;
 mod marks;
 mod mechanics;
 mod mesh;
@@ -23,6 +24,7 @@ mod simulate;
 use bevy_faceoff::types::settings::Culling;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::error::Error;
+use std::fmt;
 use std::process::ExitCode;
 
 /// Finds collisions between triangle meshes, triangle by triangle.
@@ -91,8 +93,34 @@ enum BackendChoice {
     Cpu,
 }
 
+impl BackendChoice {
+    /// The name on the command line.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Gpu => "gpu",
+            Self::Cpu => "cpu",
+        }
+    }
+}
+
 /// The result of a command. An error is a message with the name of the file and what to do.
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
+
+/// A command line that cannot be meant, although it can be parsed. It has the exit code of those that cannot.
+#[derive(Debug)]
+struct Wrong(String);
+
+impl fmt::Display for Wrong {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for Wrong {}
+
+/// The exit code of a wrong command line, as clap has it.
+const WRONG: u8 = 2;
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -118,7 +146,11 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             output::log(&format!("error: {error}"));
-            ExitCode::FAILURE
+            if error.is::<Wrong>() {
+                ExitCode::from(WRONG)
+            } else {
+                ExitCode::FAILURE
+            }
         }
     }
 }

@@ -2,10 +2,18 @@
 
 use crate::progress::with_bar;
 use crate::{CullingChoice, Outcome, output};
-use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
+use bevy_faceoff::asset::{CollisionMesh, Imported, import_file, input_files};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::projection::BakeSettings;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The files that are read for a named shape, which has none, or a mesh file.
+pub fn files(name: &str) -> Vec<PathBuf> {
+    match name {
+        "torus" | "knot" => Vec::new(),
+        file => input_files(file),
+    }
+}
 
 /// The named shape, or else a mesh file, with all data that the culling mode needs.
 pub fn shape(name: &str, culling: CullingChoice) -> Outcome<CollisionMesh> {

@@ -1,6 +1,6 @@
 //! Output of commands: text to standard output, and files that are written atomically.
 
-use crate::Outcome;
+use crate::{Outcome, Wrong};
 use serde::Serialize;
 use std::fs::{self, OpenOptions};
 use std::io::{self, ErrorKind, Write, stderr, stdout};
@@ -37,6 +37,47 @@ pub fn check(path: &Path) -> Outcome {
             Target::File(file) => beside(&file).map(drop),
         })
         .map_err(|e| cannot_write(path, &e))
+}
+
+/// Refuses an output that is one of these files, which the command reads or writes too, also by another path to it.
+pub fn refuse(output: &Path, others: impl IntoIterator<Item = impl AsRef<Path>>) -> Outcome {
+    let Some(there) = place(output) else { return Ok(()) };
+    for other in others {
+        let other = other.as_ref();
+        if place(other).as_ref() == Some(&there) {
+            return Err(Wrong(format!(
+                "{} would be written over {}, which this command reads or writes too; give another name",
+                output.display(),
+                other.display()
+            ))
+            .into());
+        }
+    }
+    Ok(())
+}
+
+/// Where a file is, or would be, whatever path leads to it. `None` for standard output, devices and pipes, and for a file that
+/// cannot be.
+fn place(path: &Path) -> Option<PathBuf> {
+    if is_standard(path) {
+        return None;
+    }
+    if let Ok(there) = fs::metadata(path) {
+        return if there.is_file() {
+            fs::canonicalize(path).ok()
+        } else {
+            None
+        };
+    }
+    Some(fs::canonicalize(folder_of(path)).ok()?.join(path.file_name()?))
+}
+
+/// The folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
 }
 
 /// Creates a folder and its parents.
@@ -133,16 +174,12 @@ impl Target {
 
 /// A temporary file with a unique name in the folder of `path`. It is removed unless it replaces that file.
 fn beside(path: &Path) -> io::Result<NamedTempFile> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
     let mut partial = tempfile::Builder::new();
     partial.prefix(HIDDEN).suffix(PARTIAL);
     // The default permissions are those for secrets. The system applies the user's umask to these.
     #[cfg(unix)]
     partial.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    partial.tempfile_in(folder)
+    partial.tempfile_in(folder_of(path))
 }
 
 /// The name of a file that is no output, only a sign for other processes.

@@ -1,19 +1,20 @@
 //! `faceoff repair`: writes a mesh without its defects, and tells what was done.
 
-use crate::{Outcome, output};
-use bevy_faceoff::asset::{Imported, Recipe, import_file, to_obj, to_off, to_ply, to_stl};
+use crate::lost::lost;
+use crate::{Outcome, Wrong, mesh, output};
+use bevy_faceoff::asset::{Imported, import_file, input_files, to_obj, to_off, to_ply, to_stl};
 use bevy_faceoff::geometry::repair::{Steps, Work, repair};
 use bevy_faceoff::geometry::{DefectKind, MassBasis, MassProperties, Orientation, TriMesh};
 use bevy_faceoff::projection::BakeSettings;
 use serde::Serialize;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Repair a mesh file, and print what was done.
 ///
-/// Without --weld, --drop, --split and --orient all four are done: they do not change what the mesh looks like. With any of them
+/// Without --weld, --drop, --split and --orient all four are done: they do not change the shape. With any of them
 /// only those that are named are done. Holes are closed only with --close-holes. Faces and vertices of the result have other
-/// numbers, unless nothing was wrong.
+/// numbers, unless nothing was wrong. Only positions and faces are written: what else the file has, such as texture coordinates,
+/// normals, materials and objects, is not kept, and a warning tells so.
 ///
 /// Exits with 0 also if defects remain; the table and the JSON tell which. 1 if a file cannot be read or written, 2 if the command
 /// line is wrong.
@@ -31,7 +32,7 @@ pub struct Options {
         conflicts_with = "in_place"
     )]
     output: Option<PathBuf>,
-    /// Write over the mesh file instead.
+    /// Write over the mesh file instead. If nothing was wrong its bytes stay.
     #[arg(long)]
     in_place: bool,
     /// Merge vertices within this distance of each other, relative to the mesh's size [default: 0.000001, or the
@@ -119,13 +120,18 @@ pub fn run(options: &Options) -> Outcome {
     let format = Format::of(&target)?;
     output::check(&target)?;
     if let Some(json) = &options.json {
-        refuse_input(options, json)?;
+        output::refuse(json, input_files(&options.mesh).iter().chain([&target]))?;
         if output::is_standard(json) && output::is_standard(&target) {
-            return Err("the mesh and the JSON cannot both go to standard output; give one of them a file".into());
+            return Err(Wrong(
+                "the mesh and the JSON cannot both go to standard output; give one of them a file".into(),
+            )
+            .into());
         }
         output::check(json)?;
     }
-    let (mesh, own) = match import_file(&options.mesh)? {
+    let imported = import_file(&options.mesh)?;
+    mesh::warn_all(&options.mesh, imported.warnings());
+    let (mesh, own) = match imported {
         Imported::Mesh { mesh, settings, .. } => (mesh, settings),
         Imported::Baked { mesh, header } => (mesh.mesh.clone().as_input(), header.settings),
     };
@@ -133,7 +139,12 @@ pub fn run(options: &Options) -> Outcome {
     let mesh = mesh.with_weld_tolerance(steps.tolerance);
     let before = State::of(&mesh);
     let repaired = repair(&mesh, &steps).map_err(|e| format!("{}: after the repair {e}", options.mesh.display()))?;
-    output::save(&target, &format.bytes(&repaired.mesh))?;
+    let bytes = format.bytes(&repaired.mesh);
+    // A file may have more than its shape, which writing it would lose.
+    if !options.in_place || bytes != format.bytes(&mesh) {
+        warn_lost(&options.mesh);
+        output::save(&target, &bytes)?;
+    }
     let report = Report {
         file: options.mesh.display().to_string(),
         output: target.display().to_string(),
@@ -159,43 +170,33 @@ pub fn run(options: &Options) -> Outcome {
 /// The file to write.
 fn target(options: &Options) -> Outcome<PathBuf> {
     if let Some(output) = &options.output {
-        refuse_input(options, output)?;
+        output::refuse(output, [&options.mesh])
+            .map_err(|error| Wrong(format!("{error}, or --in-place to write over the mesh")))?;
+        output::refuse(output, input_files(&options.mesh))?;
         return Ok(output.clone());
     }
     let name = options.mesh.display();
     if Format::of(&options.mesh).is_err() {
-        return Err(format!(
+        return Err(Wrong(format!(
             "{name}: --in-place writes .obj, .stl, .ply and .off files only; give a name for the result with --output"
-        )
+        ))
         .into());
     }
     Ok(options.mesh.clone())
 }
 
-/// Refuses to write a file that the mesh is read from, also by another path to it.
-fn refuse_input(options: &Options, output: &Path) -> Outcome {
-    if output::is_standard(output) {
-        return Ok(());
+/// Tells what the files of a mesh have that its repaired shape has not.
+fn warn_lost(mesh: &Path) {
+    for file in input_files(mesh) {
+        let lost = lost(&file);
+        if !lost.is_empty() {
+            let name = file.display();
+            output::log(&format!(
+                "warning: {name}: only positions and faces are written; not kept: {}",
+                lost.join(", ")
+            ));
+        }
     }
-    // A file that does not exist is no input.
-    let Ok(there) = fs::canonicalize(output) else {
-        return Ok(());
-    };
-    let is_input = |path: &Path| fs::canonicalize(path).is_ok_and(|input| input == there);
-    let (name, output) = (options.mesh.display(), output.display());
-    if is_input(&options.mesh) {
-        return Err(format!("{output} is the mesh itself; give another name, or --in-place to write over it").into());
-    }
-    let is_recipe = options.mesh.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron"));
-    // What cannot be read as a recipe fails to import.
-    let recipe = is_recipe.then(|| Recipe::parse(&fs::read(&options.mesh).ok()?).ok());
-    let mesh = recipe
-        .flatten()
-        .map(|recipe| options.mesh.with_file_name("").join(recipe.mesh));
-    if mesh.is_some_and(|mesh| is_input(&mesh)) {
-        return Err(format!("{output} is the mesh of {name}; give another name, or repair it with --in-place").into());
-    }
-    Ok(())
 }
 
 impl Options {
@@ -208,7 +209,7 @@ impl Options {
             ..BakeSettings::default()
         }
         .validate()
-        .map_err(|e| format!("--weld: {e}"))?;
+        .map_err(|e| Wrong(format!("--weld: {e}")))?;
         let named = Steps {
             weld: self.weld.is_some(),
             drop: self.drop,
@@ -235,7 +236,7 @@ impl Format {
             Some("stl") => Self::Stl,
             _ => {
                 let name = path.display();
-                return Err(format!("{name}: give a name that ends in .obj, .stl, .ply or .off").into());
+                return Err(Wrong(format!("{name}: give a name that ends in .obj, .stl, .ply or .off")).into());
             }
         })
     }

@@ -36,12 +36,12 @@ pub struct BodyEntry {
 }
 
 impl SceneFile {
-    /// Reads the text of a file.
+    /// Reads the text of a file. Some programs begin it with a byte order mark.
     ///
     /// # Errors
     /// If the text is no scene.
     pub fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
-        ron::from_str(text)
+        ron::from_str(text.strip_prefix('\u{feff}').unwrap_or(text))
     }
 }
 

@@ -4,7 +4,7 @@ use crate::gpu_work::WorkRecord;
 use crate::headless::{self, Headless, STEP};
 use crate::mechanics::Mechanics;
 use crate::scenes::{self, SceneChoice};
-use crate::{BackendChoice, CullingChoice, Outcome, frames, mesh, output};
+use crate::{BackendChoice, CullingChoice, Outcome, Wrong, frames, mesh, output};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::mesh::MAX_COORDINATE;
 use bevy_faceoff::prelude::*;
@@ -14,6 +14,9 @@ use clap::ValueEnum;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::PathBuf;
+
+/// The most bodies: some gigabytes of them.
+const MAX_BODIES: u64 = 10_000_000;
 
 /// Run a scene: the paper's, bodies in a box with random poses, sizes and velocities, or one in which bodies rest on each other.
 #[derive(clap::Args)]
@@ -25,8 +28,8 @@ pub struct Options {
     /// torus; knot for the scene pour].
     #[arg(long)]
     shape: Option<String>,
-    /// How many bodies move [default: 2200 in the box, 50 in the chain, 10 in the stack, 100 poured].
-    #[arg(long)]
+    /// How many bodies move, at most 10000000 [default: 2200 in the box, 50 in the chain, 10 in the stack, 100 poured].
+    #[arg(long, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=MAX_BODIES))]
     bodies: Option<usize>,
     /// How many fixed steps of 1/64 s [default: 100 in the box, else 640].
     #[arg(long)]
@@ -186,15 +189,16 @@ struct StageTimes {
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
     // What cannot be written should be known before the work is done.
+    let choice = options.scene;
+    options.check()?;
+    let shape = options.shape.as_deref().or(choice.shape());
     if let Some(path) = &options.json {
+        output::refuse(path, shape.into_iter().flat_map(mesh::files))?;
         output::check(path)?;
     }
     if let Some(folder) = &options.frames {
         output::folder(folder)?;
     }
-    let choice = options.scene;
-    options.check()?;
-    let shape = options.shape.as_deref().or(choice.shape());
     let mesh = shape.map(|shape| mesh::shape(shape, options.culling)).transpose()?;
     let bodies = options.bodies.or(choice.bodies()).unwrap_or_default();
     let scene = Paper {
@@ -220,11 +224,12 @@ pub fn run(options: &Options) -> Outcome {
     }
     .app()?;
     let framing = scenes::spawn(app.world_mut(), choice, &scene, mesh.as_ref());
-    let spawned = app
+    let moving = app
         .world_mut()
         .query::<(&RigidBody, &MeshCollider)>()
         .iter(app.world())
-        .len();
+        .filter(|(body, _)| **body == RigidBody::Dynamic)
+        .count();
 
     let progress = if step_count > 1 {
         ProgressBar::new(step_count as u64)
@@ -253,7 +258,7 @@ pub fn run(options: &Options) -> Outcome {
             scene: choice.name(),
             shape: shape.map(str::to_string),
             triangles: mesh.as_ref().map(|mesh| mesh.mesh.triangles().len()),
-            bodies: spawned,
+            bodies: moving,
             seed: scene.seed,
             speed: (choice == SceneChoice::Box).then_some(scene.speed),
             side: (choice == SceneChoice::Box).then_some(scene.side),
@@ -293,10 +298,13 @@ impl Options {
         ];
         let is_resident = matches!(self.reading, Some(ReadingChoice::Resident));
         if is_resident && self.frames.is_some() {
-            return Err("--frames draws what is read back, and --reading resident reads nothing: use latent".into());
+            return Err(Wrong(
+                "--frames draws what is read back, and --reading resident reads nothing: use latent".into(),
+            )
+            .into());
         }
         match idle.iter().find(|(_, given)| *given) {
-            Some((option, _)) => Err(format!("{option} has no meaning for --scene {}", scene.name()).into()),
+            Some((option, _)) => Err(Wrong(format!("{option} has no meaning for --scene {}", scene.name())).into()),
             None => Ok(()),
         }
     }
@@ -312,7 +320,7 @@ fn peak_memory() -> Option<u64> {
 fn positive(name: &str, given: Option<f32>, default: f32) -> Outcome<f32> {
     match given {
         Some(x) if !(0.0..=MAX_COORDINATE).contains(&x) => {
-            Err(format!("{name} must be a number from 0 to {MAX_COORDINATE:e}, not {x}").into())
+            Err(Wrong(format!("{name} must be a number from 0 to {MAX_COORDINATE:e}, not {x}")).into())
         }
         given => Ok(given.unwrap_or(default)),
     }

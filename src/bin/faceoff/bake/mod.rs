@@ -9,7 +9,8 @@ mod plan;
 mod report;
 mod shard;
 
-use crate::{Outcome, output};
+use crate::{Outcome, Wrong, output};
+use bevy_faceoff::asset::input_files;
 use bevy_faceoff::projection::{BakeSettings, Inward};
 use bytesize::ByteSize;
 use report::Summary;
@@ -98,11 +99,22 @@ impl Options {
 /// Runs the command. It tries all meshes, and fails if any of them failed.
 pub fn run(options: &Options) -> Outcome {
     let start = Instant::now();
+    // Of what a recipe says nothing, this is all.
+    let settings = options.settings(BakeSettings::default());
+    settings.validate().map_err(|error| Wrong(error.to_string()))?;
     output::folder(&options.output)?;
     if let Some(json) = &options.json {
         output::check(json)?;
     }
     let mut plan = plan::plan(&options.meshes, &options.output);
+    if let Some(json) = &options.json {
+        output::refuse(json, plan.entries.iter().filter_map(|entry| entry.target.as_ref()))?;
+        // A file that is not there yet is no input, and a library is long.
+        if json.exists() {
+            let sources = plan.entries.iter().flat_map(|entry| &entry.sources);
+            output::refuse(json, sources.flat_map(input_files))?;
+        }
+    }
     for warning in &plan.warnings {
         output::log(&format!("warning: {warning}"));
     }

@@ -1,6 +1,6 @@
 //! Which meshes are baked, into which files, in which order.
 
-use bevy_faceoff::asset::Recipe;
+use bevy_faceoff::asset::{Origin, Recipe};
 use bevy_faceoff::projection::BakeSettings;
 use std::collections::{BTreeMap, HashSet};
 use std::fs;
@@ -135,7 +135,7 @@ fn is_recipe(path: &Path) -> bool {
 }
 
 impl Found {
-    /// A recipe that cannot be read is told when it is baked.
+    /// A recipe that cannot be read is told when it is baked, or when its mesh clashes with it.
     fn new(source: PathBuf, relative: PathBuf, is_scanned: bool) -> Self {
         let read = |path: &Path| {
             fs::metadata(path)
@@ -207,8 +207,11 @@ fn targets(found: Vec<Found>, output: &Path) -> impl Iterator<Item = Entry> {
     targets.into_iter().map(|(key, (target, found))| {
         let (sources, mut inputs): (Vec<_>, Vec<_>) = found.into_iter().map(|one| (one.source, one.input)).unzip();
         let work = match inputs.pop() {
+            Some(input) if inputs.is_empty() && is_own_mesh(&sources[0], &input, &target) => {
+                Work::Fail(own_mesh(&sources[0], &target))
+            }
             Some(input) if inputs.is_empty() => Work::Bake(input),
-            _ => Work::Fail(clash(&sources, &target)),
+            _ => Work::Fail(faults(&sources).unwrap_or_else(|| clash(&sources, &target))),
         };
         Entry {
             key,
@@ -217,6 +220,31 @@ fn targets(found: Vec<Found>, output: &Path) -> impl Iterator<Item = Entry> {
             work,
         }
     })
+}
+
+/// Whether the bake of a recipe would be written over the mesh that the recipe names.
+fn is_own_mesh(source: &Path, input: &Input, target: &Path) -> bool {
+    input.mesh != source && is_same(&input.mesh, target)
+}
+
+fn own_mesh(source: &Path, target: &Path) -> String {
+    format!(
+        "{} names {}, over which it would be baked: bake into another folder, or give the recipe another name",
+        source.display(),
+        target.display()
+    )
+}
+
+/// What is wrong with the recipes among these files. A faulty one does not tell its mesh, which then seems to be a mesh by itself.
+fn faults(sources: &[PathBuf]) -> Option<String> {
+    let recipes = sources.iter().filter(|source| is_recipe(source));
+    let faults: Vec<String> = recipes
+        .filter_map(|recipe| {
+            let error = Origin::read(recipe).err()?;
+            Some(format!("{}: this recipe cannot be used: {error}", recipe.display()))
+        })
+        .collect();
+    (!faults.is_empty()).then(|| faults.join("; "))
 }
 
 fn clash(sources: &[PathBuf], target: &Path) -> String {

@@ -227,7 +227,8 @@ pub fn run(options: &Options) -> Outcome {
     about(
         "command",
         format!(
-            "reproduce{} --seed {}",
+            "reproduce --backend {}{} --seed {}",
+            options.backend.name(),
             if options.quick { " --quick" } else { "" },
             options.seed
         ),
