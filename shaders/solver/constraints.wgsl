@@ -125,12 +125,20 @@ fn surface_speed_of(i: u32) -> f32 {
     return sqrt(dot(w, w)) * min(solver_bodies[i].extent, s::INFINITE_LENGTH);
 }
 
+// The largest number of single precision.
+const MAX_COEFFICIENT: f32 = 3.4028234e38;
+
 // The combined coefficient of two bodies, by the rule that comes later in the order of `CombineRule`. `shift` is that
 // of the rule in the flags.
 fn combined(shift: u32, first: u32, second: u32, x: f32, y: f32) -> f32 {
+    // An infinite one is no bound where nothing presses.
+    return min(combined_by(max((first >> shift) & 15u, (second >> shift) & 15u), x, y), MAX_COEFFICIENT);
+}
+
+fn combined_by(rule: u32, x: f32, y: f32) -> f32 {
     let p = max(x, 0.0);
     let q = max(y, 0.0);
-    switch max((first >> shift) & 15u, (second >> shift) & 15u) {
+    switch rule {
         case 0u: {
             return 0.5 * (p + q);
         }

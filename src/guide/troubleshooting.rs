@@ -17,7 +17,7 @@
 //! | `TooFar`, `TooFast` | what fell out of the world | a floor, or despawn it below some height |
 //! | `Mass`, `Inertia` | a mass of zero or less, an inertia that no body has | a positive number; `AngularInertia::principal` |
 //! | `GravityScale` | beyond a million | a smaller one |
-//! | `PlaneNormal`, `PlaneDistance` | a normal without direction, a distance that is no number | `PlaneCollider::through` |
+//! | `PlaneNormal`, `PlaneDistance` | a normal without direction, a distance that is no number or beyond 1e9 m | `PlaneCollider::through` |
 //! | `Sheared` | the mesh under an unequal scale becomes flat, or too large | scale the mesh instead |
 //! | `MeshMissing` | a handle that nothing loads, `Handle::default()` | keep the handle that `load` or `add` returned |
 //! | `MeshFailed` | the file cannot be read; an error of the asset server says why | fix the file |

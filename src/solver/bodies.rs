@@ -55,7 +55,7 @@ impl SolverBody {
         Self {
             kind: RigidBody::Dynamic,
             inverse_mass: 1.0 / mass,
-            inverse_inertia: inertia.inverse(),
+            inverse_inertia: inertia.as_dmat3().inverse().as_mat3(),
             ..Self::immovable(RigidBody::Static, radius)
         }
     }

@@ -72,24 +72,22 @@ impl BodyConstants {
     ) -> Self {
         let movable = mobility.has_impulses();
         let inverse = if movable { body.inverse_inertia } else { Mat3::ZERO };
-        let inertia = inverse.inverse();
-        // A singular inverse has no inertia tensor: the body cannot rotate about some axis. It rotates as if isotropic.
-        let regular = inertia.is_finite();
+        // A singular inverse has no inertia tensor: the body cannot rotate about some axis. It rotates freely as if isotropic.
+        let inertia = inverted(inverse);
         let size = inverse.x_axis.x;
-        let isotropic =
-            !regular || (inverse - Mat3::from_diagonal(Vec3::splat(size))).abs_diff_eq(Mat3::ZERO, 1e-5 * size);
+        let isotropic = (inverse - Mat3::from_diagonal(Vec3::splat(size))).abs_diff_eq(Mat3::ZERO, 1e-5 * size);
         let locked = if movable { body.locked_axes } else { LockedAxes::NONE };
         let free = locked.free_rotation() == Vec3::ONE;
         let decay = |rate: f32| if rate > 0.0 { (-rate * h).exp() } else { 1.0 };
         Self {
             initial_rotation: rotation,
-            local_inertia: if regular { inertia } else { Mat3::ZERO },
+            local_inertia: inertia.unwrap_or(Mat3::ZERO),
             local_inverse_inertia: inverse,
             isotropic,
             locked,
             h,
             moves: matches!(mobility, Mobility::Moving | Mobility::Movable),
-            rotates_freely: movable && free && !isotropic,
+            rotates_freely: movable && free && !isotropic && inertia.is_some(),
             inertia_rotates: movable && !(free && isotropic),
             gravity: (gravity * (body.gravity_scale * h) * body.locked_axes.free_translation()).into(),
             impulse: (forces.force * h).into(),
@@ -118,13 +116,9 @@ impl BodyConstants {
         let inertia = axes * self.local_inertia * axes.transpose();
         let locked = Vec3::ONE - free;
         let mask = Mat3::from_diagonal(free);
-        let reduced = (mask * inertia * mask + Mat3::from_diagonal(locked)).inverse();
-        let reduced = mask * reduced * mask;
-        if reduced.is_finite() && self.local_inertia != Mat3::ZERO {
-            reduced
-        } else {
-            mask * inverse * mask
-        }
+        let reduced = inverted(mask * inertia * mask + Mat3::from_diagonal(locked));
+        let reduced = reduced.filter(|_| self.local_inertia != Mat3::ZERO);
+        mask * reduced.unwrap_or(inverse) * mask
     }
 
     /// Rotates a body without torque (gyroscopic motion) over `h` seconds and returns its new angular velocity.
@@ -179,4 +173,12 @@ pub(super) fn rotation_displacement(rotation: Quat, v: Vec3A) -> Vec3A {
 /// `rotation`, followed by the rotation vector `by` in world axes.
 pub(super) fn rotated(rotation: Quat, by: Vec3) -> Quat {
     (Quat::from_scaled_axis(by) * rotation).normalize()
+}
+
+/// The inverse of a tensor; `None` if that is singular, or its inverse not finite. In double precision, because the determinants of
+/// bodies of a millimetre and of a hundred metres are beyond single precision.
+fn inverted(tensor: Mat3) -> Option<Mat3> {
+    let tensor = tensor.as_dmat3();
+    let inverse = (tensor.determinant() != 0.0).then(|| tensor.inverse().as_mat3());
+    inverse.filter(|inverse| inverse.is_finite())
 }

@@ -304,7 +304,7 @@ pub(crate) fn check_body(body: &Body) -> Result<(), BodyFault> {
     if body.gravity_scale.abs() > MAX_GRAVITY_SCALE {
         return Err(BodyFault::GravityScale(body.gravity_scale));
     }
-    if let Some(mass) = body.mass.filter(|&mass| mass <= 0.0) {
+    if let Some(mass) = body.mass.filter(|&mass| mass <= 0.0 || (1.0 / mass).is_infinite()) {
         return Err(BodyFault::Mass(mass));
     }
     if body.inertia.is_some_and(|inertia| !is_inertia(&inertia)) {
@@ -397,11 +397,14 @@ impl Frame {
 
 /// Whether a tensor and its inverse are finite, and the tensor is symmetric and positive definite.
 fn is_inertia(tensor: &Mat3) -> bool {
-    let symmetric = (*tensor - tensor.transpose()).abs_diff_eq(Mat3::ZERO, 1.0e-4 * tensor.x_axis.x.abs());
+    // The determinants of tiny and of huge tensors are beyond single precision.
+    let tensor = tensor.as_dmat3();
+    let largest = tensor.x_axis.x.max(tensor.y_axis.y).max(tensor.z_axis.z);
+    let symmetric = (tensor - tensor.transpose()).abs_diff_eq(DMat3::ZERO, 1.0e-4 * largest);
     // Sylvester's criterion.
     let minor = tensor.x_axis.x * tensor.y_axis.y - tensor.x_axis.y * tensor.y_axis.x;
     let definite = tensor.x_axis.x > 0.0 && minor > 0.0 && tensor.determinant() > 0.0;
-    tensor.is_finite() && symmetric && definite && tensor.inverse().is_finite()
+    tensor.is_finite() && symmetric && definite && tensor.inverse().as_mat3().is_finite()
 }
 
 /// Name of the first component that holds NaN, or an infinity where that is not a valid limit.

@@ -66,8 +66,8 @@ pub enum BodyFault {
     /// It is both a body and a plane. The body takes part; the plane is ignored.
     #[error("it has both a MeshCollider and a PlaneCollider: put the plane on an entity of its own")]
     PlaneOnBody,
-    /// The distance of a plane is NaN or infinite.
-    #[error("the distance {0} of its PlaneCollider is not finite: set it to a finite number")]
+    /// The distance of a plane is NaN or infinite, or beyond 1e9 m in a [`Scene`](crate::queries::Scene).
+    #[error("the distance {0} of its PlaneCollider is not a number from -1e9 to 1e9: set it to one")]
     PlaneDistance(f32),
     /// Its mesh could not be loaded.
     #[error(

@@ -4,7 +4,7 @@ use crate::state::crowd::Crowd;
 use crate::state::{Bodies, NearPair};
 use crate::types::body::RigidBody;
 
-/// Number of pairs that are tested before the next look at the limit.
+/// Number of pairs that are tested before the next look at the limit, at first.
 const PORTION: usize = 256;
 
 /// Cuts `pairs` down to what fits the limits, and returns the bodies that lose pairs.
@@ -26,9 +26,18 @@ pub(super) fn cut(pairs: &mut Vec<NearPair>, bodies: &Bodies, mut fits: impl FnM
         (if with_static { 0 } else { least }, b - a, a)
     };
     pairs.sort_unstable_by_key(crowding);
-    let portions = pairs.chunks(PORTION).take_while(|&portion| fits(portion)).count();
+    // A portion that does not fit is halved, so that all pairs before the first one that does not fit are kept.
+    let (mut kept, mut portion) = (0, PORTION);
+    while kept < pairs.len() && portion > 0 {
+        let end = pairs.len().min(kept + portion);
+        if fits(&pairs[kept..end]) {
+            kept = end;
+        } else {
+            portion /= 2;
+        }
+    }
     // One pair always fits, or a pair of huge meshes would never be tested.
-    let kept = (portions * PORTION).clamp(1, pairs.len());
+    let kept = kept.clamp(1, pairs.len());
     let crowd = Crowd::of(pairs[kept..].iter().flat_map(|pair| pair.bodies).collect());
     pairs.truncate(kept);
     pairs.sort_unstable_by_key(|pair| pair.bodies);
@@ -40,8 +49,9 @@ pub(super) fn keep_at_most(most: usize, pairs: &mut Vec<NearPair>, bodies: &Bodi
     if pairs.len() > most {
         let mut kept = 0;
         cut(pairs, bodies, |portion| {
-            kept += portion.len();
-            kept <= most
+            let fits = kept + portion.len() <= most;
+            kept += if fits { portion.len() } else { 0 };
+            fits
         });
     }
 }

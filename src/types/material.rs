@@ -99,16 +99,18 @@ pub enum CombineRule {
 }
 
 impl CombineRule {
-    /// The coefficient of the pair. Negative coefficients and NaN count as 0.
+    /// The coefficient of the pair, which is finite. Negative coefficients and NaN count as 0.
     pub fn combine(rules: [Self; 2], coefficients: [f32; 2]) -> f32 {
         // `max` returns the other operand for NaN.
         let [a, b] = coefficients.map(|c| c.max(0.0));
-        match rules[0].max(rules[1]) {
+        let combined = match rules[0].max(rules[1]) {
             Self::Average => 0.5 * (a + b),
             Self::GeometricMean => (a * b).sqrt(),
             Self::Min => a.min(b),
             Self::Multiply => a * b,
             Self::Max => a.max(b),
-        }
+        };
+        // An infinite one is no bound where nothing presses: infinity times 0 is no number.
+        combined.min(f32::MAX)
     }
 }

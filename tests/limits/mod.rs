@@ -81,6 +81,26 @@ fn a_crowd_loses_pairs_and_the_others_lose_none() {
     }
 }
 
+/// More bodies on the floor than are tested before the first look at the limit.
+#[test]
+fn nobody_of_a_large_crowd_loses_the_floor() {
+    let limits = StepLimits {
+        body_pairs: usize::MAX,
+        face_pairs: 50_000,
+    };
+    let mut free = crowded(0, Response::Contacts, StepLimits::default());
+    let mut world = crowded(300, Response::Contacts, limits);
+    free.step();
+    world.step();
+    let pairs = &world.state.results.contacts.pairs;
+    let on_floor = pairs
+        .iter()
+        .filter(|pair| pair.bodies[0] == 0 && pair.bodies[1] as usize >= ASIDE);
+    assert_eq!(on_floor.count(), 300);
+    assert_eq!(aside(&world), aside(&free));
+    assert!(world.state.results.crowd.bodies > 0);
+}
+
 /// A dense floor of boxes has eight partners each. Its share of the limit would be less than two.
 #[test]
 fn a_small_crowd_takes_nothing_from_many_others() {

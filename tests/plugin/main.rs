@@ -12,6 +12,7 @@ mod compounds;
 mod contacts;
 mod culling;
 mod driven;
+mod extreme_masses;
 mod groups;
 mod hooks;
 mod kinds;

@@ -34,9 +34,10 @@ fn free_rotation_keeps_angular_momentum_and_energy_for_a_minute() {
 #[test]
 fn the_middle_axis_flips() {
     // Dzhanibekov effect: rotation about the axis of the intermediate moment of inertia (y here) is unstable.
-    let flips = |spin: Vec3, axis: DVec3| {
+    let flips = |size: f64, spin: Vec3, axis: DVec3| {
         let mut world = World::new();
-        let body = world.dynamic(BRICK, 1.0, DVec3::ZERO);
+        let brick = Shape::Box(size * DVec3::new(1.0, 0.5, 0.2));
+        let body = world.dynamic(brick, size.powi(3) as f32, DVec3::ZERO);
         world.motion(body).angular_velocity = spin;
         let (mut flips, mut up) = (0, true);
         for _ in 0..64 * 30 {
@@ -48,11 +49,14 @@ fn the_middle_axis_flips() {
         }
         flips
     };
-    let middle = flips(Vec3::new(0.01, 5.0, 0.01), DVec3::Y);
-    println!("flips about the middle axis in 30 s: {middle}");
-    assert!(middle >= 4, "{middle}");
-    assert_eq!(flips(Vec3::new(5.0, 0.01, 0.01), DVec3::X), 0);
-    assert_eq!(flips(Vec3::new(0.01, 0.01, 5.0), DVec3::Z), 0);
+    // From a splinter of a millimetre to a mountain.
+    for size in [1.0e-3, 1.0, 1.0e3] {
+        let middle = flips(size, Vec3::new(0.01, 5.0, 0.01), DVec3::Y);
+        println!("flips about the middle axis in 30 s: {middle}");
+        assert!(middle >= 4, "{size} m: {middle}");
+        assert_eq!(flips(size, Vec3::new(5.0, 0.01, 0.01), DVec3::X), 0);
+        assert_eq!(flips(size, Vec3::new(0.01, 0.01, 5.0), DVec3::Z), 0);
+    }
 }
 
 #[test]

@@ -100,7 +100,7 @@ impl Scene {
     /// but zero; `distance` is along the unit normal, metres.
     ///
     /// # Errors
-    /// If a number is not finite, or the normal is zero.
+    /// If a number is not finite, the normal is zero, or the distance beyond 1e9 m.
     pub fn add_plane(&mut self, normal: DVec3, distance: f64) -> Result<usize, BodyFault> {
         let unit = normal.try_normalize().filter(|unit| unit.is_finite());
         let normal = unit.ok_or(BodyFault::PlaneNormal(normal.as_vec3()))?;

@@ -25,9 +25,8 @@ pub(super) struct Tree {
     /// The numbers of the boxes in the order of the tree.
     order: Vec<u32>,
     levels: Vec<Vec<BoxGroup>>,
-    spread: Spread,
     /// That when the order was found.
-    first_spread: Spread,
+    spread: Spread,
 }
 
 /// How large the boxes above those of the lowest level are. Those of the lowest level do not depend on the order.
@@ -74,20 +73,17 @@ impl Spread {
 }
 
 impl Tree {
-    /// A tree over boxes. It takes over the order of `last`, a tree over the same boxes at other places, as long as that
-    /// is good.
+    /// A tree over boxes. It takes over the order of `last`, a tree over the same boxes at other places, if that is still good.
     pub fn new(boxes: &[WorldBox], last: Option<&Self>) -> Self {
         if boxes.is_empty() {
             return Self::default();
         }
-        let kept = last.filter(|last| last.order.len() == boxes.len() && last.spread.is_like(&last.first_spread));
         let (low, high) = (boxes.iter()).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), b| {
             (low.min(b.center - b.half), high.max(b.center + b.half))
         });
         let all = WorldBox::between([low, high]);
         let (origin, radius) = (all.center, all.half.length());
         let centers: Vec<Vec3> = boxes.iter().map(|b| (b.center - origin).as_vec3()).collect();
-        let order = kept.map_or_else(|| compact_order(&centers), |last| last.order.clone());
         let aabb = |&number: &u32| {
             let (center, half) = (centers[number as usize], boxes[number as usize].half.as_vec3());
             Aabb {
@@ -95,19 +91,26 @@ impl Tree {
                 max: center + half,
             }
         };
-        let (levels, sizes) = box_levels(order.iter().map(aabb).collect());
-        let spread = Spread {
-            size: sizes.get(1).copied().unwrap_or_default(),
-            all: radius as f32,
+        let in_order = |order: Vec<u32>| {
+            let (levels, sizes) = box_levels(order.iter().map(aabb).collect());
+            let spread = Spread {
+                size: sizes.get(1).copied().unwrap_or_default(),
+                all: radius as f32,
+            };
+            Self {
+                origin,
+                radius,
+                order,
+                levels,
+                spread,
+            }
         };
-        Self {
-            origin,
-            radius,
-            order,
-            levels,
-            spread,
-            first_spread: kept.map_or(spread, |last| last.first_spread),
-        }
+        let kept = last.filter(|last| last.order.len() == boxes.len()).and_then(|last| {
+            let tree = in_order(last.order.clone());
+            let spread = last.spread;
+            tree.spread.is_like(&spread).then_some(Self { spread, ..tree })
+        });
+        kept.unwrap_or_else(|| in_order(compact_order(&centers)))
     }
 
     /// Upper bound of the rounding error of a coordinate, if those asked for are within `size` of the origin.
