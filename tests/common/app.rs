@@ -25,6 +25,8 @@ pub struct Sim {
     pub started: Vec<CollisionStart>,
     pub ended: Vec<CollisionEnd>,
     pub rejected: Vec<BodyRejected>,
+    /// Whether all steps must run on a GPU.
+    pub stays_on_gpu: bool,
 }
 
 impl Sim {
@@ -42,7 +44,11 @@ impl Sim {
         let mut app = App::new();
         let step = Self::step_plugin(1);
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }, plugin));
-        Self::of(app)
+        Self {
+            // Hooks run on the CPU.
+            stays_on_gpu: false,
+            ..Self::of(app)
+        }
     }
 
     fn step_plugin(threads: usize) -> StepPlugin {
@@ -84,6 +90,7 @@ impl Sim {
             started: Vec::new(),
             ended: Vec::new(),
             rejected: Vec::new(),
+            stays_on_gpu: ON_GPU.get(),
         }
     }
 
@@ -131,6 +138,9 @@ impl Sim {
                 .extend(world.resource_mut::<Messages<CollisionEnd>>().drain());
             self.rejected
                 .extend(world.resource_mut::<Messages<BodyRejected>>().drain());
+            let report = self.report();
+            let is_elsewhere = report.bodies > 0 && report.gpu.is_none();
+            assert!(!(self.stays_on_gpu && is_elsewhere), "a step ran on the CPU");
         }
     }
 

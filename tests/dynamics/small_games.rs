@@ -128,6 +128,23 @@ fn a_body_does_not_sleep_before_it_is_pushed_out() {
     }
 }
 
+/// What is not deep is pushed out at no more than `SolverSettings::max_depenetration_speed`, which only large bodies reach.
+#[test]
+fn a_large_body_is_pushed_out_at_three_metres_per_second() {
+    let mut world = World::new();
+    let [large, block] = [10.0, 40.0].map(|size| world.mesh(&shapes::cube(size)));
+    world.add(RigidBody::Dynamic, large, Vec3::ONE, Vec3::Y * 4.7, Quat::IDENTITY);
+    world.add(RigidBody::Static, block, Vec3::ONE, Vec3::NEG_Y * 20.0, Quat::IDENTITY);
+    let mut fastest = 0.0f64;
+    for _ in 0..64 {
+        let before = world.center(0).y;
+        world.step();
+        fastest = fastest.max(64.0 * (world.center(0).y - before));
+    }
+    assert!((2.5..3.1).contains(&fastest), "{fastest} m/s");
+    assert!((world.center(0).y - 5.0).abs() < 0.02, "{}", world.center(0));
+}
+
 /// A body with a radius of half a metre that starts `depth` metres deep in the top of a block.
 pub fn pushed_out(shape: &TriMesh, depth: f32) {
     let mut world = World::new();
@@ -179,14 +196,26 @@ fn bodies_in_the_same_place_separate() {
     }
     // Positions that differ by rounding errors only count as the same place too.
     overlapping(&shapes::ball(0.5, 2), 2, Vec3::X * 1.0e-6);
+    // Not turned, their planes are the same to the bit.
+    for shape in [
+        shapes::cube(1.0),
+        shapes::torus_240(),
+        shapes::knot_1120(),
+        shapes::ball(0.5, 2),
+    ] {
+        turned_overlapping(&shape, 2, Vec3::ZERO, Quat::IDENTITY);
+    }
 }
 
 /// `count` bodies of one mesh without gravity, each `apart` from the one before.
 pub fn overlapping(mesh: &TriMesh, count: usize, apart: Vec3) {
+    turned_overlapping(mesh, count, apart, any_turn(&mut fastrand::Rng::with_seed(5)));
+}
+
+fn turned_overlapping(mesh: &TriMesh, count: usize, apart: Vec3, turn: Quat) {
     let mut world = World::weightless();
     world.state.input.config.solver.sleeping = true;
     let mesh = world.mesh(mesh);
-    let turn = any_turn(&mut fastrand::Rng::with_seed(5));
     for i in 0..count {
         world.add(
             RigidBody::Dynamic,

@@ -4,7 +4,7 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::asset::format::{from_bytes, to_bytes};
 use bevy_faceoff::geometry::{DefectKind, MassBasis, OneSided, Orientation, TriMesh, shapes};
 use bevy_faceoff::queries::Placed;
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3, Vec3Swizzles};
 
 /// A mesh without some of its faces.
 fn without(mesh: &TriMesh, is_missing: impl Fn(usize) -> bool) -> TriMesh {
@@ -25,6 +25,41 @@ fn random(i: usize) -> u32 {
         .rotate_left(13)
         .wrapping_mul(0x9e37_79b9)
         % 100
+}
+
+/// An opening counts as closed up to a fiftieth of the area that is left, and all of them up to a fifth. The openings are around corners of an
+/// icosahedron.
+#[test]
+fn openings_count_as_closed_up_to_a_fiftieth_each_and_a_fifth_together() {
+    let ball = shapes::ball(1.0, 4);
+    let golden = 0.5 * (1.0 + 5f32.sqrt());
+    let corners: Vec<Vec3> = (0..12)
+        .map(|i| {
+            let sign = |bit: usize| if i >> bit & 1 == 1 { -1.0 } else { 1.0 };
+            let corner = Vec3::new(0.0, sign(0), sign(1) * golden).normalize();
+            [corner, corner.yzx(), corner.zxy()][i / 4]
+        })
+        .collect();
+    for (count, share, is_solid) in [
+        (1, 0.0175, true),
+        (1, 0.023, false),
+        (10, 0.0155, true),
+        (12, 0.016, false),
+    ] {
+        let is_missing = |t: usize| {
+            let middle = ball.corners(t).into_iter().sum::<Vec3>().normalize();
+            corners[..count]
+                .iter()
+                .any(|corner| corner.dot(middle) > 1.0 - 2.0 * share)
+        };
+        let mesh = without(&ball, is_missing);
+        let missing = 1.0 - mesh.triangles().len() as f32 / ball.triangles().len() as f32;
+        assert_eq!(
+            mesh.is_solid(),
+            is_solid,
+            "{count} openings of {share}: {missing} is missing"
+        );
+    }
 }
 
 /// Random faces, one hole of the same area, and the same with random winding.

@@ -166,13 +166,19 @@ fn forces_beyond_all_bounds_give_a_speed_within_them() {
         let cube = sim.mesh(&shapes::cube(1.0));
         sim.spawn((cube.clone(), Transform::from_xyz(2.0, 0.0, 0.0)));
         let pushed = sim.spawn((RigidBody::Dynamic, cube.clone()));
-        let turned = sim.spawn((RigidBody::Dynamic, cube, Transform::from_xyz(0.0, 3.0, 0.0)));
+        let [free, turned] = [-3.0, 3.0].map(|y| sim.spawn(resting(&cube, Vec3::Y * y)));
         let (force, torque) = (Vec3::X * size, Vec3::Z * size);
         sim.set(pushed, ExternalForces { force, ..default() });
+        sim.set(free, ExternalForces { force, ..default() });
         sim.set(turned, ExternalForces { torque, ..default() });
         sim.step(3);
         assert!(sim.position(pushed).is_finite() && sim.velocity(pushed).length() <= 1.0001e9);
         assert!(sim.spin(turned).is_finite());
+        // A force whose impulse is beyond single precision has no effect.
+        let least = if size < 1e20 { 1e6 } else { 0.0 };
+        assert!((least..1.0001e9).contains(&sim.velocity(free).x));
+        assert!((least..1.0001e9).contains(&sim.spin(turned).z));
+        assert!(sim.rejected.is_empty());
     }
 }
 

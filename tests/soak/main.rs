@@ -88,5 +88,7 @@ fn ten_thousand_steps_on_a_device() {
         ..SHORT
     });
     println!("device: {report}");
+    let steps = number("FACEOFF_SOAK_STEPS", 10_000);
+    assert!(2 * report.on_device > steps, "{} steps on the device", report.on_device);
     assert!(report.growth.is_none_or(|growth| growth < MOST_GROWTH));
 }

@@ -150,6 +150,7 @@ fn lost_for_good(_: &Gpu) {
         sim.step(1);
         steps += 1;
     }
+    assert_eq!(steps, 4, "it is opened again three times");
     assert!(failures(&mut sim) > 0);
     sim.step(1);
     assert_eq!(active(&sim).name(), "cpu");

@@ -29,6 +29,7 @@ fn run(readback: Readback) {
         live_bytes: None,
     });
     println!("{report}");
+    assert!(report.on_device > 60, "{} steps on the device", report.on_device);
 }
 
 fn random_changes_break_nothing(_: &Gpu) {

@@ -174,6 +174,7 @@ fn lifts() {
 fn there_and_back() {
     for readback in [Readback::Lockstep, Readback::Latent] {
         let (mut sim, mut cubes) = heap(readback);
+        sim.stays_on_gpu = false;
         let cube = sim.mesh(&shapes::cube(1.0));
         cubes.push(dumbbell(&mut sim, &cube, Vec3::new(-8.0, 0.502, 0.0)));
         sim.step(64);
