@@ -1,20 +1,35 @@
 //! Boxes around runs of triangles, and around runs of such boxes, for searches while a mesh is baked.
 
 use crate::geometry::Aabb;
+use crate::geometry::cluster::compact_order;
+use glam::Vec3;
 
 /// Children per node, and items per leaf.
 const WIDTH: usize = 8;
 
-/// A box hierarchy over items in their given order: boxes around runs of eight items, then around runs of eight such boxes,
-/// and so on. It is correct for any order, and fast if neighbours in the list are neighbours in space.
+/// A box hierarchy over items: boxes around runs of eight items, then around runs of eight such boxes, and so on. It is correct
+/// for any order of the items, and fast if neighbours in the list are neighbours in space.
 pub struct BoxTree {
     count: usize,
+    /// The items in the order of the tree, unless that is their own.
+    order: Option<Vec<u32>>,
     /// From the leaves up; the last level has one box.
     levels: Vec<Vec<Aabb>>,
 }
 
 impl BoxTree {
-    /// A tree over items with these boxes. There must be at least one.
+    /// A tree over items that may come in any order, by their middles and a function that gives the box of each. There must be at
+    /// least one.
+    pub fn of_scattered(middles: &[Vec3], around: impl Fn(usize) -> Aabb) -> Self {
+        let order = compact_order(middles);
+        let tree = Self::new(order.iter().map(|&item| around(item as usize)));
+        Self {
+            order: Some(order),
+            ..tree
+        }
+    }
+
+    /// A tree over items with these boxes, in this order. There must be at least one.
     pub fn new(boxes: impl IntoIterator<Item = Aabb>) -> Self {
         let boxes: Vec<Aabb> = boxes.into_iter().collect();
         let above = |boxes: &[Aabb]| -> Vec<Aabb> {
@@ -28,6 +43,7 @@ impl BoxTree {
         }
         Self {
             count: boxes.len(),
+            order: None,
             levels,
         }
     }
@@ -48,7 +64,8 @@ impl BoxTree {
             if level > 0 {
                 waiting.extend(children.map(|child| (level - 1, child)));
             } else {
-                children.for_each(|item| found(state, item));
+                let item_at = |place: usize| self.order.as_ref().map_or(place, |order| order[place] as usize);
+                children.for_each(|place| found(state, item_at(place)));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::bodies::SolverBody;
 use super::islands::Mobility;
+use crate::state::bodies::invert_inertia;
 use crate::types::body::{ExternalForces, LockedAxes};
 use glam::{Mat3, Quat, Vec3, Vec3A};
 
@@ -81,13 +82,13 @@ impl BodyConstants {
         let decay = |rate: f32| if rate > 0.0 { (-rate * h).exp() } else { 1.0 };
         Self {
             initial_rotation: rotation,
-            local_inertia: inertia.unwrap_or(Mat3::ZERO),
+            local_inertia: inertia,
             local_inverse_inertia: inverse,
             isotropic,
             locked,
             h,
             moves: matches!(mobility, Mobility::Moving | Mobility::Movable),
-            rotates_freely: movable && free && !isotropic && inertia.is_some(),
+            rotates_freely: movable && free && !isotropic && inertia != Mat3::ZERO,
             inertia_rotates: movable && !(free && isotropic),
             gravity: (gravity * (body.gravity_scale * h) * body.locked_axes.free_translation()).into(),
             impulse: (forces.force * h).into(),
@@ -117,8 +118,11 @@ impl BodyConstants {
         let locked = Vec3::ONE - free;
         let mask = Mat3::from_diagonal(free);
         let reduced = inverted(mask * inertia * mask + Mat3::from_diagonal(locked));
-        let reduced = reduced.filter(|_| self.local_inertia != Mat3::ZERO);
-        mask * reduced.unwrap_or(inverse) * mask
+        if reduced != Mat3::ZERO && self.local_inertia != Mat3::ZERO {
+            mask * reduced * mask
+        } else {
+            mask * inverse * mask
+        }
     }
 
     /// Rotates a body without torque (gyroscopic motion) over `h` seconds and returns its new angular velocity.
@@ -175,10 +179,7 @@ pub(super) fn rotated(rotation: Quat, by: Vec3) -> Quat {
     (Quat::from_scaled_axis(by) * rotation).normalize()
 }
 
-/// The inverse of a tensor; `None` if that is singular, or its inverse not finite. In double precision, because the determinants of
-/// bodies of a millimetre and of a hundred metres are beyond single precision.
-fn inverted(tensor: Mat3) -> Option<Mat3> {
-    let tensor = tensor.as_dmat3();
-    let inverse = (tensor.determinant() != 0.0).then(|| tensor.inverse().as_mat3());
-    inverse.filter(|inverse| inverse.is_finite())
+/// The inverse of a tensor, or zero.
+fn inverted(tensor: Mat3) -> Mat3 {
+    invert_inertia(tensor.as_dmat3()).as_mat3()
 }

@@ -450,12 +450,11 @@ fn inverse_inertia_of(body: &Body, frame: &Frame, mesh: &MassProperties, mass: f
     }
 }
 
-/// The inverse of an inertia tensor; zero if it is not finite.
-pub(super) fn invert_inertia(inertia: DMat3) -> DMat3 {
-    let inverse = inertia.inverse();
-    if inverse.as_mat3().is_finite() {
-        inverse
-    } else {
-        DMat3::ZERO
-    }
+/// The inverse of an inertia tensor, or that of its inverse; zero if there is none that is finite. In double precision, because
+/// the determinants of bodies of a millimetre and of hundreds of metres are beyond single precision.
+pub(crate) fn invert_inertia(tensor: DMat3) -> DMat3 {
+    let inverse = (tensor.determinant() != 0.0).then(|| tensor.inverse());
+    inverse
+        .filter(|inverse| inverse.as_mat3().is_finite())
+        .unwrap_or(DMat3::ZERO)
 }

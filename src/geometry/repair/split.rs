@@ -4,7 +4,6 @@ use super::Work;
 use super::surface::{CountedEdges, Surface};
 use crate::geometry::Aabb;
 use crate::geometry::box_tree::BoxTree;
-use crate::geometry::cluster::compact_order;
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -80,11 +79,7 @@ impl Surface {
         let place = |v: u32| self.vertices[v as usize];
         let middle = |edge: u32| ends[edge as usize].map(place).iter().map(|p| *p * 0.5).sum();
         let middles: Vec<Vec3> = boundary.iter().map(|&edge| middle(edge)).collect();
-        let order: Vec<u32> = compact_order(&middles)
-            .into_iter()
-            .map(|i| boundary[i as usize])
-            .collect();
-        let tree = BoxTree::new(order.iter().map(|&edge| Aabb::around(ends[edge as usize].map(place))));
+        let tree = BoxTree::of_scattered(&middles, |i| Aabb::around(ends[boundary[i] as usize].map(place)));
         let mut vertices: Vec<u32> = boundary.iter().flat_map(|&edge| ends[edge as usize]).collect();
         vertices.sort_unstable();
         vertices.dedup();
@@ -95,7 +90,7 @@ impl Surface {
                 outside.max_element() <= tolerance
             };
             tree.visit(&mut on_edges, is_near, |on_edges, i| {
-                let edge = order[i];
+                let edge = boundary[i];
                 let [u, v] = ends[edge as usize];
                 if u == vertex || v == vertex {
                     return;

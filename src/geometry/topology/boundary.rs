@@ -175,13 +175,12 @@ fn split_at_vertices(edges: &[([u32; 2], i32)], place: &impl Fn(u32) -> Vec3, to
         .iter()
         .map(|(edge, _)| ends(*edge).iter().map(|p| *p * 0.5).sum())
         .collect();
-    let order = compact_order(&middles);
-    let tree = BoxTree::new(order.iter().map(|&i| Aabb::around(ends(edges[i as usize].0))));
+    let tree = BoxTree::of_scattered(&middles, |i| Aabb::around(ends(edges[i].0)));
     let mut vertices: Vec<u32> = edges.iter().flat_map(|(edge, _)| *edge).collect();
     vertices.sort_unstable();
     vertices.dedup();
     // For each edge, the vertices on it and where along it they are.
-    let mut on_edges: HashMap<u32, Vec<(f64, u32)>> = HashMap::new();
+    let mut on_edges: HashMap<usize, Vec<(f64, u32)>> = HashMap::new();
     let mut split = Split::default();
     for &vertex in &vertices {
         let p = place(vertex).as_dvec3();
@@ -190,9 +189,8 @@ fn split_at_vertices(edges: &[([u32; 2], i32)], place: &impl Fn(u32) -> Vec3, to
             outside.max_element() <= tolerance
         };
         let mut found = false;
-        tree.visit(&mut found, is_near, |found, i| {
-            let number = order[i];
-            let edge = edges[number as usize].0;
+        tree.visit(&mut found, is_near, |found, number| {
+            let edge = edges[number].0;
             if edge.contains(&vertex) {
                 return;
             }

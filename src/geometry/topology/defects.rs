@@ -4,7 +4,6 @@ use super::boundary::Boundary;
 use super::{Faces, Topology};
 use crate::geometry::Aabb;
 use crate::geometry::box_tree::BoxTree;
-use crate::geometry::cluster::compact_order;
 use crate::geometry::edges::is_collapsed;
 use crate::geometry::weld::size;
 use glam::Vec3;
@@ -183,8 +182,7 @@ impl Faces<'_> {
         let place = |v: u32| self.vertices[welded[v as usize] as usize].as_dvec3();
         let middle = |edge: [u32; 2]| (place(edge[0]) + place(edge[1])) * 0.5;
         let middles: Vec<Vec3> = edges.iter().map(|edge| middle(*edge).as_vec3()).collect();
-        let order = compact_order(&middles);
-        let tree = BoxTree::new(order.iter().map(|&i| Aabb::around([middles[i as usize]])));
+        let tree = BoxTree::of_scattered(&middles, |i| Aabb::around([middles[i]]));
         let is_crack = |own: usize| {
             let [u, v] = edges[own];
             let at = middle(edges[own]);
@@ -193,8 +191,7 @@ impl Faces<'_> {
                 outside.max_element() <= most
             };
             let mut found = false;
-            tree.visit(&mut found, is_near, |found, i| {
-                let other = order[i] as usize;
+            tree.visit(&mut found, is_near, |found, other| {
                 let [x, y] = edges[other];
                 let is_beside = place(u).distance(place(y)) <= most && place(v).distance(place(x)) <= most;
                 *found |= other != own && is_beside;

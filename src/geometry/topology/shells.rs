@@ -3,7 +3,6 @@
 use super::{Faces, volume};
 use crate::geometry::Aabb;
 use crate::geometry::box_tree::BoxTree;
-use crate::geometry::cluster::compact_order;
 use crate::geometry::crossing::crossing;
 use crate::geometry::edges::{Edges, NO_EDGE, is_collapsed};
 use glam::{DVec3, Vec3};
@@ -204,9 +203,7 @@ impl Shells {
         }
         let middle = |t| faces.placed(t, welded).iter().map(|p| *p / 3.0).sum();
         let middles: Vec<Vec3> = (0..count).map(middle).collect();
-        // In the order of the file a node may hold triangles from all over the mesh.
-        let order = compact_order(&middles);
-        let tree = BoxTree::new(order.iter().map(|&t| Aabb::around(faces.placed(t as usize, welded))));
+        let tree = BoxTree::of_scattered(&middles, |t| Aabb::around(faces.placed(t, welded)));
         for own in 0..shells.len() {
             if !shells[own].encloses() {
                 continue;
@@ -223,7 +220,7 @@ impl Shells {
                     .map(|v| v.as_dvec3() / 3.0)
                     .iter()
                     .sum();
-                for shell in shells_around((&tree, &order), faces, welded, &shell_of, p) {
+                for shell in shells_around(&tree, faces, welded, &shell_of, p) {
                     *votes.entry(shell).or_default() += 1;
                 }
             }
@@ -283,22 +280,14 @@ fn root(shells: &[Shell], mut own: usize) -> usize {
     own
 }
 
-/// The closed shells that contain a point: those that the ray from there along +z crosses an odd number of times. The tree has the
-/// triangles in the order beside it.
-fn shells_around(
-    (tree, order): (&BoxTree, &[u32]),
-    faces: &Faces,
-    welded: &[u32],
-    shell_of: &[usize],
-    p: DVec3,
-) -> Vec<usize> {
+/// The closed shells that contain a point: those that the ray from there along +z crosses an odd number of times.
+fn shells_around(tree: &BoxTree, faces: &Faces, welded: &[u32], shell_of: &[usize], p: DVec3) -> Vec<usize> {
     let met = |_: &_, b: &Aabb| {
         let (low, high) = (b.min.as_dvec3(), b.max.as_dvec3());
         low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && p.z <= high.z
     };
     let mut crossed: Vec<usize> = Vec::new();
-    tree.visit(&mut crossed, met, |crossed, i| {
-        let t = order[i] as usize;
+    tree.visit(&mut crossed, met, |crossed, t| {
         let shell = shell_of[t];
         if shell != usize::MAX && crossing(&faces.placed(t, welded).map(|v| v.as_dvec3() - p)).is_some() {
             crossed.push(shell);
