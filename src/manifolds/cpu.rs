@@ -2,6 +2,7 @@
 
 mod candidates;
 pub(super) mod contour;
+mod crossing;
 mod eight;
 pub(super) mod feature;
 mod feature_ids;

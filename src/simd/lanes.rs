@@ -1,18 +1,27 @@
-//! Vector arithmetic on eight points at a time.
+//! Vector arithmetic on eight points at a time, in single precision, and on four in double precision.
 //!
-//! An [`f32x8`] is in a register: two of SSE2 and NEON, one of AVX2. [`Stored`] is in memory. [`level`](super::level)
-//! tells where the token `S` comes from, and why everything here is inlined.
+//! An [`f32x8`] and an [`f64x4`] are in a register: two of SSE2 and NEON, one of AVX2. [`Stored`] is in memory.
+//! [`level`](super::level) tells where the token `S` comes from, and why everything here is inlined.
 //!
 //! `a.min(b)` and `a.max(b)` are the instructions of x86 there: `b` where one of both is NaN, or where both are zero.
 
 pub use fearless_simd::prelude::{Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask};
-pub use fearless_simd::{f32x8, mask32x8};
+pub use fearless_simd::{f32x8, f64x4, mask32x8, mask64x4};
 
 use crate::geometry::lanes::{Stored, StoredPoints};
-use glam::{Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
+use std::ops::{Add, Mul, Sub};
 
 /// The x, y and z coordinates of eight points, one point per lane.
 pub type Points<S> = [f32x8<S>; 3];
+
+/// The x, y and z coordinates of four points in double precision, one point per lane.
+pub type DPoints<S> = [f64x4<S>; 3];
+
+/// A number in each lane.
+pub trait Numbers: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+
+impl<N: Copy + Add<Output = N> + Sub<Output = N> + Mul<Output = N>> Numbers for N {}
 
 /// `[f(0), f(1), f(2)]`. An array's `map` is not always inlined.
 #[inline(always)]
@@ -53,22 +62,22 @@ pub fn store_points<S: Simd>([x, y, z]: Points<S>) -> StoredPoints {
 }
 
 #[inline(always)]
-pub fn add<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+pub fn add<N: Numbers>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 #[inline(always)]
-pub fn sub<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+pub fn sub<N: Numbers>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-pub fn mul<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+pub fn mul<N: Numbers>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 
 #[inline(always)]
-pub fn scale<S: Simd>(a: Points<S>, by: f32x8<S>) -> Points<S> {
+pub fn scale<N: Numbers>(a: [N; 3], by: N) -> [N; 3] {
     [a[0] * by, a[1] * by, a[2] * by]
 }
 
@@ -84,12 +93,12 @@ pub fn abs<S: Simd>(a: Points<S>) -> Points<S> {
 }
 
 #[inline(always)]
-pub fn dot<S: Simd>(a: Points<S>, b: Points<S>) -> f32x8<S> {
+pub fn dot<N: Numbers>(a: [N; 3], b: [N; 3]) -> N {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-pub fn cross<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+pub fn cross<N: Numbers>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -104,30 +113,30 @@ pub fn norm1<S: Simd>(a: Points<S>) -> f32x8<S> {
 }
 
 #[inline(always)]
-pub fn min<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+pub fn min<S: Simd, N: SimdFloat<S>>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2])]
 }
 
 #[inline(always)]
-pub fn max<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+pub fn max<S: Simd, N: SimdFloat<S>>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])]
 }
 
 /// The least of three numbers.
 #[inline(always)]
-pub fn least<S: Simd>([a, b, c]: [f32x8<S>; 3]) -> f32x8<S> {
+pub fn least<S: Simd, N: SimdFloat<S>>([a, b, c]: [N; 3]) -> N {
     a.min(b).min(c)
 }
 
 /// The largest of three numbers.
 #[inline(always)]
-pub fn largest<S: Simd>([a, b, c]: [f32x8<S>; 3]) -> f32x8<S> {
+pub fn largest<S: Simd, N: SimdFloat<S>>([a, b, c]: [N; 3]) -> N {
     a.max(b).max(c)
 }
 
 /// Heights of corners over the plane through `origin`, times the length of its normal.
 #[inline(always)]
-pub fn heights<S: Simd>([p, q, r]: &[Points<S>; 3], origin: Points<S>, normal: Points<S>) -> [f32x8<S>; 3] {
+pub fn heights<N: Numbers>([p, q, r]: &[[N; 3]; 3], origin: [N; 3], normal: [N; 3]) -> [N; 3] {
     [
         dot(sub(*p, origin), normal),
         dot(sub(*q, origin), normal),
@@ -137,7 +146,7 @@ pub fn heights<S: Simd>([p, q, r]: &[Points<S>; 3], origin: Points<S>, normal: P
 
 /// In each lane, `a` where the mask is set, else `b`.
 #[inline(always)]
-pub fn pick<S: Simd>(mask: mask32x8<S>, a: Points<S>, b: Points<S>) -> Points<S> {
+pub fn pick<S: Simd, M: Copy + Select<N>, N: SimdFloat<S>>(mask: M, a: [N; 3], b: [N; 3]) -> [N; 3] {
     [
         mask.select(a[0], b[0]),
         mask.select(a[1], b[1]),
@@ -187,6 +196,22 @@ pub fn lanes<S: Simd>(simd: S, bits: u32) -> mask32x8<S> {
 #[inline(always)]
 pub fn bitmask<S: Simd>(mask: mask32x8<S>) -> u32 {
     mask.to_bitmask() as u32
+}
+
+/// One bit per lane, of four.
+#[inline(always)]
+pub fn bitmask_of_four<S: Simd>(mask: mask64x4<S>) -> u32 {
+    mask.to_bitmask() as u32
+}
+
+/// Four points, one per lane.
+#[inline(always)]
+pub fn four_points<S: Simd>(simd: S, [a, b, c, d]: [DVec3; 4]) -> DPoints<S> {
+    [
+        f64x4::simd_from(simd, [a.x, b.x, c.x, d.x]),
+        f64x4::simd_from(simd, [a.y, b.y, c.y, d.y]),
+        f64x4::simd_from(simd, [a.z, b.z, c.z, d.z]),
+    ]
 }
 
 /// The point in one lane.

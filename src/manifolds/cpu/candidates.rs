@@ -5,12 +5,12 @@
 //! new search: a search with more slack only adds candidates without a result, and all searches list pairs in the same
 //! order.
 
+use super::crossing::Crossings;
 use super::feature::{ARC, BELOW, OUTSIDE, PARALLEL, TrianglePair};
 use super::near::NearTriangles;
 use super::search::{Search, Slack};
 use super::side::{Side, Triangle};
 use crate::simd::lanes::bits;
-use crate::simd::level::with_simd;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
@@ -131,24 +131,15 @@ impl Candidates {
     }
 
     /// Selects candidates among pairs of triangles found with the same slack. Without slack it selects none. Calls
-    /// `found` for each pair that may have something now, in order.
+    /// `found` for each pair that may have features now, in order, and notes those that may cross, by their indices in
+    /// [`NearTriangles::placed`].
+    #[inline(always)]
     pub fn select(
         &mut self,
         near: &mut NearTriangles,
         sides: &[Side; 2],
         search: &Search,
-        found: impl FnMut(&TrianglePair, Parts),
-    ) {
-        with_simd!(_simd => self.select_inlined(near, sides, search, found));
-    }
-
-    /// In scalar double precision, which takes less time with the wider instructions.
-    #[inline(always)]
-    fn select_inlined(
-        &mut self,
-        near: &mut NearTriangles,
-        sides: &[Side; 2],
-        search: &Search,
+        crossings: &mut Crossings,
         mut found: impl FnMut(&TrianglePair, Parts),
     ) {
         self.clear();
@@ -162,18 +153,28 @@ impl Candidates {
             sides,
             #[inline(always)]
             |triangles, near, [first, second]| {
-                let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
-                    return;
+                let features = near.parts & !CROSSING;
+                let pair = match features {
+                    0 => None,
+                    _ => TrianglePair::new(sides, triangles, search.reach + slack.distance),
                 };
                 if slack.distance == 0.0 {
-                    found(&pair, near.parts);
+                    if let Some(pair) = &pair {
+                        found(pair, features);
+                    }
+                    if near.parts & CROSSING != 0 {
+                        crossings.push(near.triangles);
+                    }
                     return;
                 }
                 let mut parts = [0; FRACTIONS.len()];
-                let (mut features, mut closest) = (near.parts & !CROSSING, FRACTIONS.len());
+                let (mut features, mut closest) = (features, FRACTIONS.len());
                 for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
                     let slack = slack * fraction;
-                    features = pair.possible_features(&search.range, slack, features);
+                    features = match &pair {
+                        Some(pair) => pair.possible_features(&search.range, slack, features),
+                        None => 0,
+                    };
                     let crosses = f64::from(near.gap) <= slack.distance;
                     let possible = features | if crosses { near.parts & CROSSING } else { 0 };
                     if possible == 0 {
@@ -187,8 +188,11 @@ impl Candidates {
                 for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
                     *may_cross |= parts & CROSSING != 0;
                 }
-                if parts[0] != 0 && pair.is_within(search.reach) {
-                    found(&pair, parts[0]);
+                if let Some(pair) = pair.filter(|pair| features != 0 && pair.is_within(search.reach)) {
+                    found(&pair, features);
+                }
+                if parts[0] & CROSSING != 0 {
+                    crossings.push(near.triangles);
                 }
                 let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
                     if *index == NOT_LISTED {
@@ -226,27 +230,17 @@ impl Candidates {
         shrink(&mut self.pairs, used);
     }
 
-    /// Calls `found` for each candidate within `reach` that may have something after a motion within this one of
-    /// [`FRACTIONS`] of the slack, in order. `placed` is memory kept between calls.
+    /// Calls `found` for each candidate within `reach` that may have features after a motion within this one of
+    /// [`FRACTIONS`] of the slack, in order, and notes those that may cross, by their indices in `placed`. That is memory kept
+    /// between calls.
+    #[inline(always)]
     pub fn for_each(
         &self,
         sides: &[Side; 2],
         placed: &mut [Vec<Triangle>; 2],
         fraction: usize,
         reach: f64,
-        found: impl FnMut(&TrianglePair, Parts),
-    ) {
-        with_simd!(_simd => self.for_each_inlined(sides, placed, fraction, reach, found));
-    }
-
-    /// See [`Candidates::select_inlined`].
-    #[inline(always)]
-    fn for_each_inlined(
-        &self,
-        sides: &[Side; 2],
-        placed: &mut [Vec<Triangle>; 2],
-        fraction: usize,
-        reach: f64,
+        crossings: &mut Crossings,
         mut found: impl FnMut(&TrianglePair, Parts),
     ) {
         for ((placed, listed), side) in placed.iter_mut().zip(&self.triangles).zip(sides) {
@@ -260,12 +254,15 @@ impl Candidates {
         }
         for candidate in &self.pairs {
             let parts = candidate.parts[fraction];
-            if parts == 0 {
+            if parts & CROSSING != 0 {
+                crossings.push(candidate.triangles);
+            }
+            if parts & !CROSSING == 0 {
                 continue;
             }
             let [i, j] = candidate.triangles.map(|index| index as usize);
             if let Some(pair) = TrianglePair::new(sides, [&placed[0][i], &placed[1][j]], reach) {
-                found(&pair, parts);
+                found(&pair, parts & !CROSSING);
             }
         }
     }
@@ -364,18 +361,6 @@ impl TrianglePair<'_> {
                 turned(triangle.normal, out) && side.across(edge).is_none_or(|other| turned(out, other))
             })
         })
-    }
-
-    /// Whether the triangles' boxes are no farther apart than `distance` along any axis, up to rounding.
-    #[inline(always)]
-    pub fn boxes_are_within(&self, distance: f64) -> bool {
-        let [a, b] = self.triangles.map(|t| {
-            let [p, q, r] = t.corners;
-            [p.min(q).min(r), p.max(q).max(r)]
-        });
-        let rounding = 1.0e-12 * (a[0].abs().max_element() + b[0].abs().max_element());
-        let gap = (a[0] - b[1]).max(b[0] - a[1]).max_element();
-        gap <= distance + rounding
     }
 }
 

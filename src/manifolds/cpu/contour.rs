@@ -1,6 +1,7 @@
-//! Intersection contours: the segments in which triangles cross, and the patches that closed contours enclose.
+//! Intersection contours: the segments in which triangles cross, joined, and the patches that closed contours enclose.
 
-use super::feature::{Feature, TrianglePair};
+use super::crossing::{Key, Segment};
+use super::feature::Feature;
 use super::search::{Place, Window};
 use crate::geometry::union_find::UnionFind;
 use glam::DVec3;
@@ -16,29 +17,6 @@ pub(crate) const MIN_ENCLOSED_AREA: f64 = 1.0e-12;
 
 /// Loose ends of contours closer than this, in units of the bodies' size, are the same point.
 const TIE: f64 = 1.0e-6;
-
-/// Largest gap between the boxes of triangles that cross, in units of the error of heights: about a millionth of the
-/// bodies' size.
-const BOX_GAP: f64 = 1.0e8;
-
-/// The segment in which two triangles cross, oriented along the cross product of their normals.
-#[derive(Clone, Copy, Debug)]
-pub struct Segment {
-    pub ends: [DVec3; 2],
-    pub triangles: [u32; 2],
-    /// The crossing that each end shares with the next segment.
-    keys: [Key; 2],
-}
-
-/// Key of a crossing, at which a contour passes from one triangle to the next: an edge of one side pierces a triangle
-/// of the other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Key {
-    /// The side of the edge.
-    side: u8,
-    edge: u32,
-    triangle: u32,
-}
 
 /// A patch: the part of both surfaces inside a closed contour.
 #[derive(Clone, Copy, Debug)]
@@ -114,100 +92,6 @@ impl FirstEnds {
             }
         }
     }
-}
-
-impl TrianglePair<'_> {
-    /// The segment in which the triangles cross, if they do and are not coplanar. Heights up to `rounding` are ties.
-    /// Ties are broken as if the first body were slightly smaller: its corners lie below the second's planes, and the
-    /// second's above its own. So contours are closed even if faces of both bodies are coplanar.
-    #[inline(always)]
-    pub fn segment(&self, rounding: f64) -> Option<Segment> {
-        let above = [
-            self.heights[0].map(|h| h > rounding),
-            self.heights[1].map(|h| h >= -rounding),
-        ];
-        if above.contains(&[true; 3]) || above.contains(&[false; 3]) {
-            return None;
-        }
-        let [a, b] = self.triangles;
-        let line = a.normal.cross(b.normal);
-        if line.length_squared() < 1.0e-24 {
-            return None;
-        }
-        // Rounding makes almost parallel triangles cross that are apart.
-        if !self.boxes_are_within(BOX_GAP * rounding) {
-            return None;
-        }
-        let [chord_a, chord_b] = [self.chord(0, line, above[0]), self.chord(1, line, above[1])];
-        // At ties the first body, which counts as smaller, ends first. Ends are selected by index, because processors would
-        // mispredict every second branch.
-        let slack = rounding * line.length();
-        let ends = [
-            [chord_a[0], chord_b[0]][usize::from(chord_a[0].at < chord_b[0].at - slack)],
-            [chord_a[1], chord_b[1]][usize::from(chord_a[1].at > chord_b[1].at + slack)],
-        ];
-        (ends[0].at < ends[1].at).then(|| Segment {
-            ends: [ends[0].point, ends[1].point],
-            triangles: [self.triangles[0].number, self.triangles[1].number],
-            keys: [self.key(&ends[0]), self.key(&ends[1])],
-        })
-    }
-
-    /// The crossings of one triangle's edges with the other's plane, in order along the common line. `above` tells which
-    /// corners are above the plane; they are not all on one side.
-    #[inline(always)]
-    fn chord(&self, side: usize, line: DVec3, above: [bool; 3]) -> [Crossing; 2] {
-        let own = self.triangles[side];
-        let heights = self.heights[side];
-        let vertices = self.sides[side].features.triangles[own.number as usize];
-        let set = usize::from(above[0]) | usize::from(above[1]) << 1 | usize::from(above[2]) << 2;
-        let crossing = |k: usize| {
-            let [i, j] = [k, NEXT[k]];
-            // Both triangles of an edge compute the point from the same end, so they get the same bits.
-            let later = usize::from(vertices[i] > vertices[j]);
-            let (i, j) = ([i, j][later], [j, i][later]);
-            // If both heights are zero, any point of the edge will do.
-            let at = (heights[i] / (heights[i] - heights[j])).clamp(0.0, 1.0);
-            let at = if at.is_nan() { 0.5 } else { at };
-            let point = own.corners[i] + (own.corners[j] - own.corners[i]) * at;
-            Crossing {
-                point,
-                at: line.dot(point),
-                side,
-                edge: k,
-            }
-        };
-        let [first, second] = CROSSED_EDGES[set];
-        let crossings = [crossing(first), crossing(second)];
-        let swapped = usize::from(crossings[0].at > crossings[1].at);
-        [crossings[swapped], crossings[1 - swapped]]
-    }
-
-    fn key(&self, crossing: &Crossing) -> Key {
-        let Crossing { side, edge, .. } = *crossing;
-        Key {
-            side: side as u8,
-            edge: self.sides[side].features.triangle_edges[self.triangles[side].number as usize][edge],
-            triangle: self.triangles[1 - side].number,
-        }
-    }
-}
-
-/// The edges of a triangle that cross a plane, by the set of its corners that are above the plane. Edge `k` leads from corner
-/// `k` to the next one.
-const CROSSED_EDGES: [[usize; 2]; 8] = [[0, 0], [0, 2], [0, 1], [1, 2], [1, 2], [0, 1], [0, 2], [0, 0]];
-/// The corner after each corner.
-const NEXT: [usize; 3] = [1, 2, 0];
-
-/// Where an edge of a triangle crosses the plane of the other.
-#[derive(Clone, Copy)]
-struct Crossing {
-    point: DVec3,
-    /// Its place along the common line.
-    at: f64,
-    /// The side of the edge, and its place in the triangle.
-    side: usize,
-    edge: usize,
 }
 
 impl Contours {

@@ -85,8 +85,17 @@ pub struct NearTriangles {
     narrowing: Narrowing,
     /// For each of the second body's near clusters, the indices of its triangles in `triangles`, or [`NOT_LISTED`].
     seconds_listed: Vec<[u32; CLUSTER]>,
-    /// Each of `triangles` in double precision, once it is needed, and its index in another list.
-    placed: [Vec<(Option<Triangle>, u32)>; 2],
+    /// Each of `triangles` in double precision, once it is needed.
+    placed: [Vec<Triangle>; 2],
+    uses: [Vec<Use>; 2],
+}
+
+/// What a triangle of near pairs is used for.
+#[derive(Clone, Copy)]
+struct Use {
+    is_placed: bool,
+    /// Its index in another list.
+    listed: u32,
 }
 
 impl NearTriangles {
@@ -156,26 +165,43 @@ impl NearTriangles {
         narrowing.run(simd, triangles, pairs, one_sided, &limits);
     }
 
-    /// Calls `found` for each pair that [`NearTriangles::run`] found, in order. It also gets, for both triangles, an index
-    /// that it may set; it is [`NOT_LISTED`] at first.
+    /// Calls `found` for each pair that [`NearTriangles::run`] found, in order, with both triangles. It also gets, for both,
+    /// an index that it may set; it is [`NOT_LISTED`] at first.
     #[inline(always)]
     pub fn for_each_pair(
         &mut self,
         sides: &[Side; 2],
         mut found: impl FnMut([&Triangle; 2], SmallPair, [&mut u32; 2]),
     ) {
-        for (placed, triangles) in self.placed.iter_mut().zip(&self.triangles) {
-            placed.clear();
-            placed.resize(triangles.len(), (None, NOT_LISTED));
+        for side in 0..2 {
+            let count = self.triangles[side].len();
+            let unused = Use {
+                is_placed: false,
+                listed: NOT_LISTED,
+            };
+            self.uses[side].clear();
+            self.uses[side].resize(count, unused);
+            // Triangles that are not needed keep what is there.
+            self.placed[side].resize(count.max(self.placed[side].len()), Triangle::default());
         }
-        let [firsts, seconds] = &mut self.placed;
+        let ([firsts, seconds], [uses_a, uses_b]) = (&mut self.placed, &mut self.uses);
         for &pair in &self.pairs {
             let [i, j] = pair.triangles.map(|index| index as usize);
-            let ((a, listed_a), (b, listed_b)) = (&mut firsts[i], &mut seconds[j]);
-            let a = a.get_or_insert_with(|| sides[0].triangle(self.triangles[0][i].number));
-            let b = b.get_or_insert_with(|| sides[1].triangle(self.triangles[1][j].number));
-            found([a, b], pair, [listed_a, listed_b]);
+            let (a, b) = (&mut uses_a[i], &mut uses_b[j]);
+            if !a.is_placed {
+                (firsts[i], a.is_placed) = (sides[0].triangle(self.triangles[0][i].number), true);
+            }
+            if !b.is_placed {
+                (seconds[j], b.is_placed) = (sides[1].triangle(self.triangles[1][j].number), true);
+            }
+            found([&firsts[i], &seconds[j]], pair, [&mut a.listed, &mut b.listed]);
         }
+    }
+
+    /// The triangles of both bodies in double precision, by their indices in pairs. Only those of pairs that
+    /// [`NearTriangles::for_each_pair`] passed are placed.
+    pub fn placed(&self) -> [&[Triangle]; 2] {
+        self.placed.each_ref().map(Vec::as_slice)
     }
 }
 
@@ -219,6 +245,7 @@ fn trees<'a, S: Simd>(simd: S, sides: &[Side<'a>; 2], pose: &PairPose, reach: f3
 #[cfg(test)]
 mod tests {
     use super::super::candidates::Candidates;
+    use super::super::crossing::Crossings;
     use super::super::feature::{Feature, TrianglePair};
     use super::super::pair::Pair;
     use super::super::pair_of_bodies;
@@ -265,10 +292,11 @@ mod tests {
         clusters.run(sides, &pair.pose, &search);
         near.run(sides, pair.pose.size, &search, &clusters, 0..usize::MAX);
         let (mut found, mut kept) = (Vec::new(), Vec::new());
-        candidates.select(&mut near, sides, &search, |pair, parts| {
+        candidates.select(&mut near, sides, &search, &mut Crossings::default(), |pair, parts| {
             pair.features(&search.range, parts, |feature| found.push(feature.middle()));
         });
-        candidates.for_each(sides, &mut Default::default(), 0, reach, |pair, parts| {
+        let (mut placed, mut crossings) = Default::default();
+        candidates.for_each(sides, &mut placed, 0, reach, &mut crossings, |pair, parts| {
             pair.features(&search.range, parts, |feature| kept.push(feature.middle()));
         });
         [sorted(found), sorted(kept)]
@@ -339,9 +367,15 @@ mod tests {
         clusters.run(&pair.sides, &pair.pose, search);
         near.run(&pair.sides, pair.pose.size, search, &clusters, 0..usize::MAX);
         let mut found = Vec::new();
-        candidates.select(&mut near, &pair.sides, search, |pair, parts| {
-            pair.features(&search.range, parts, |feature| found.push(feature));
-        });
+        candidates.select(
+            &mut near,
+            &pair.sides,
+            search,
+            &mut Crossings::default(),
+            |pair, parts| {
+                pair.features(&search.range, parts, |feature| found.push(feature));
+            },
+        );
         found
     }
 

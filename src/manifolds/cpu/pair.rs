@@ -1,6 +1,7 @@
 //! Contact generation of one pair: its features, contours and reduced manifold.
 
-use super::contour::{Contours, Patch, Segment};
+use super::contour::{Contours, Patch};
+use super::crossing::Segment;
 use super::feature::{Feature, Origin};
 use super::inside;
 use super::kept::{Kept, Source};

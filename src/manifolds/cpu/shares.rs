@@ -2,8 +2,8 @@
 //! threads: each share has some of the first body's clusters, in order, so that all shares together give the same list
 //! however many there are.
 
-use super::candidates::{CROSSING, Candidates, Parts};
-use super::contour::Segment;
+use super::candidates::{Candidates, Parts};
+use super::crossing::{Crossings, Segment};
 use super::feature::{Feature, TrianglePair};
 use super::kept::{KeptCandidates, Source};
 use super::near::{NearClusters, NearTriangles};
@@ -11,8 +11,10 @@ use super::pair::{Pair, ROUNDING};
 use super::search::Wanted;
 use super::side::Triangle;
 use crate::parallel::loops;
+use crate::simd::lanes::Simd;
+use crate::simd::level::with_simd;
 use rayon::prelude::*;
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 
 /// Least number of pairs of clusters in a share: their search takes much longer than waking a thread.
 const MIN_CLUSTER_PAIRS: usize = 256;
@@ -35,6 +37,7 @@ struct Share {
     near: NearTriangles,
     /// The triangles of candidates.
     placed: [Vec<Triangle>; 2],
+    crossings: Crossings,
     features: Vec<Feature>,
     segments: Vec<Segment>,
 }
@@ -116,69 +119,54 @@ impl Share {
         candidates: &mut Candidates,
         admit: impl Fn(&Feature) -> bool,
     ) {
+        if let Source::Search(search) = source {
+            let range = self.clusters.clone();
+            self.near.run(&pair.sides, pair.pose.size, search, clusters, range);
+        }
+        // Double precision takes less time with the wider instructions, too.
+        with_simd!(simd => self.run_with(simd, pair, wanted, source, candidates, admit));
+    }
+
+    #[inline(always)]
+    fn run_with<S: Simd>(
+        &mut self,
+        simd: S,
+        pair: &Pair,
+        wanted: &Wanted,
+        source: &Source,
+        candidates: &mut Candidates,
+        admit: impl Fn(&Feature) -> bool,
+    ) {
         let Self {
             near,
             placed,
+            crossings,
             features,
             segments,
             ..
         } = self;
         features.clear();
         segments.clear();
-        let (sides, size) = (&pair.sides, pair.pose.size);
-        let mut found = Found {
-            range: &wanted.range,
-            rounding: ROUNDING * f64::from(size),
-            admit,
-            features,
-            segments,
+        crossings.clear();
+        let sides = &pair.sides;
+        let found = |pair: &TrianglePair, parts: Parts| {
+            pair.features(&wanted.range, parts, |feature| {
+                if admit(&feature) {
+                    features.push(feature);
+                }
+            });
         };
-        // Inlined, so that segments are computed with the wider instructions.
-        match source {
+        let triangles = match source {
             Source::Search(search) => {
-                near.run(sides, size, search, clusters, self.clusters.clone());
-                candidates.select(
-                    near,
-                    sides,
-                    search,
-                    #[inline(always)]
-                    |pair, parts| found.add(pair, parts),
-                );
+                candidates.select(near, sides, search, crossings, found);
+                near.placed()
             }
-            Source::Kept { fraction } => candidates.for_each(
-                sides,
-                placed,
-                *fraction,
-                wanted.reach,
-                #[inline(always)]
-                |pair, parts| found.add(pair, parts),
-            ),
-        }
-    }
-}
-
-/// The features and segments of a share.
-struct Found<'a, A> {
-    range: &'a RangeInclusive<f64>,
-    /// Heights up to this are ties.
-    rounding: f64,
-    /// Which features count.
-    admit: A,
-    features: &'a mut Vec<Feature>,
-    segments: &'a mut Vec<Segment>,
-}
-
-impl<A: Fn(&Feature) -> bool> Found<'_, A> {
-    /// Adds what two triangles have.
-    #[inline(always)]
-    fn add(&mut self, pair: &TrianglePair, parts: Parts) {
-        pair.features(self.range, parts, |feature| {
-            if (self.admit)(&feature) {
-                self.features.push(feature);
+            Source::Kept { fraction } => {
+                candidates.for_each(sides, placed, *fraction, wanted.reach, crossings, found);
+                placed.each_ref().map(Vec::as_slice)
             }
-        });
-        if parts & CROSSING != 0 {
-            self.segments.extend(pair.segment(self.rounding));
-        }
+        };
+        let rounding = ROUNDING * f64::from(pair.pose.size);
+        crossings.segments(simd, sides, triangles, rounding, segments);
     }
 }

@@ -39,6 +39,9 @@ pub struct Triangle {
     pub normal: DVec3,
     /// 1 if the corners are counter-clockwise about the normal, else -1.
     pub winding_sign: f64,
+    /// One bit per edge, set if it leads to the vertex of the smaller number. Both triangles of an edge follow it from
+    /// there.
+    pub backward: u32,
 }
 
 /// Rounding allowance, as a factor on [`ARC`], of the angle between a triangle's normal and a contact normal at its
@@ -136,11 +139,13 @@ impl Side<'_> {
             self.baked_normal(number)
         };
         let (normal, winding_sign) = self.towards_other(number, normal, p);
+        let [u, v, w] = vertices;
         Triangle {
             number,
             corners,
             normal,
             winding_sign,
+            backward: u32::from(u > v) | u32::from(v > w) << 1 | u32::from(w > u) << 2,
         }
     }
 
