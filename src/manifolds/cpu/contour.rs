@@ -59,8 +59,8 @@ pub struct Contours {
 /// dozens of segments, and this takes half the time of sorting their ends.
 #[derive(Default)]
 struct FirstEnds {
-    /// Numbers of ends, or [`NO_END`]. Their number is a power of two.
-    slots: Vec<u32>,
+    /// Keys and numbers of ends, the latter [`NO_END`] if a slot is empty. The number of slots is a power of two.
+    slots: Vec<(Key, u32)>,
 }
 
 /// An empty slot of [`FirstEnds`].
@@ -70,24 +70,24 @@ impl FirstEnds {
     /// Empties it, with room for so many ends.
     fn reset(&mut self, ends: usize) {
         self.slots.clear();
-        self.slots.resize((2 * ends).next_power_of_two(), NO_END);
+        self.slots
+            .resize((2 * ends).next_power_of_two(), (Key::default(), NO_END));
     }
 
-    /// The first end at the crossing of `end`; `None` if that is the first, which is noted. `key_of` gives an end's key.
-    fn first(&mut self, end: u32, key_of: impl Fn(u32) -> Key) -> Option<u32> {
-        let key = key_of(end);
+    /// The first end at the crossing of this key; `None` if it is `end`, which is noted.
+    #[inline]
+    fn first(&mut self, key: Key, end: u32) -> Option<u32> {
         // Multiplicative hashing (Knuth 1998, The Art of Computer Programming 3, 6.4): the upper bits are mixed best.
-        let number = u64::from(key.edge) << 32 | u64::from(key.triangle) << 1 | u64::from(key.side);
-        let hash = number.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+        let hash = key.number().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
         let mask = self.slots.len() - 1;
         let mut at = hash as usize & mask;
         loop {
             match self.slots[at] {
-                NO_END => {
-                    self.slots[at] = end;
+                (_, NO_END) => {
+                    self.slots[at] = (key, end);
                     return None;
                 }
-                first if key_of(first) == key => return Some(first),
+                (other, first) if other == key => return Some(first),
                 _ => at = (at + 1) & mask,
             }
         }
@@ -108,9 +108,8 @@ impl Contours {
         self.has_partner.clear();
         self.has_partner.resize(ends as usize, false);
         let segments = &self.segments;
-        let key_of = |end: u32| segments[end as usize / 2].keys[end as usize % 2];
-        for end in 0..ends {
-            if let Some(first) = self.ends.first(end, key_of) {
+        for (end, &key) in (0..).zip(segments.iter().flat_map(|segment| &segment.keys)) {
+            if let Some(first) = self.ends.first(key, end) {
                 self.joined.join(first / 2, end / 2);
                 self.has_partner[first as usize] = true;
                 self.has_partner[end as usize] = true;
@@ -226,25 +225,31 @@ impl Patch {
     /// Four points in the patch: the extremes of the contour in directions perpendicular to the normal, moved to its centre by
     /// a quarter. The first extreme is the farthest from the centre, so the order of the bodies does not matter.
     pub fn outer_places(&self, segments: &[Segment]) -> [DVec3; 4] {
-        let own = &segments[self.first..self.end];
-        let farthest = |along: &dyn Fn(DVec3) -> f64| {
-            let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
-            for offset in own.iter().map(|segment| segment.ends[0] - self.center) {
-                let reach = along(offset);
-                if reach > best.0 {
-                    best = (reach, offset);
+        let offsets = || {
+            segments[self.first..self.end]
+                .iter()
+                .map(|segment| segment.ends[0] - self.center)
+        };
+        let mut first = (f64::NEG_INFINITY, DVec3::ZERO);
+        for offset in offsets() {
+            let reach = offset.reject_from_normalized(self.normal).length_squared();
+            if reach > first.0 {
+                first = (reach, offset);
+            }
+        }
+        let first = first.1;
+        let across = self.normal.cross(first);
+        let mut others = [(f64::NEG_INFINITY, DVec3::ZERO); 3];
+        for offset in offsets() {
+            let aside = offset.dot(across);
+            for (other, reach) in others.iter_mut().zip([-offset.dot(first), aside, -aside]) {
+                if reach > other.0 {
+                    *other = (reach, offset);
                 }
             }
-            best.1
-        };
-        let first = farthest(&|p| p.reject_from_normalized(self.normal).length_squared());
-        let across = self.normal.cross(first);
-        let offsets = [
-            first,
-            farthest(&|p| -p.dot(first)),
-            farthest(&|p| p.dot(across)),
-            farthest(&|p| -p.dot(across)),
-        ];
+        }
+        let [second, third, fourth] = others.map(|(_, offset)| offset);
+        let offsets = [first, second, third, fourth];
         offsets.map(|p| self.center + p * PROBE_FRACTION)
     }
 }

@@ -26,12 +26,21 @@ pub struct Segment {
 
 /// Key of a crossing, at which a contour passes from one triangle to the next: an edge of one side pierces a triangle
 /// of the other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Key {
-    /// The side of the edge.
-    pub side: u8,
-    pub edge: u32,
-    pub triangle: u32,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Key(u64);
+
+impl Key {
+    #[inline(always)]
+    fn new(side: usize, edge: u32, triangle: u32) -> Self {
+        debug_assert!(triangle <= u32::MAX / 2, "meshes have fewer triangles");
+        Self(u64::from(edge) << 32 | u64::from(triangle) << 1 | side as u64)
+    }
+
+    /// A number that no other crossing has.
+    #[inline(always)]
+    pub fn number(self) -> u64 {
+        self.0
+    }
 }
 
 /// Pairs of triangles that may cross, as indices into lists of triangles.
@@ -230,11 +239,8 @@ impl<S: Simd> Crossed<S> {
         let key = |end: usize| {
             let side = (self.of_second[end] >> lane & 1) as usize;
             let edges = &sides[side].features.triangle_edges[pair[side].number as usize];
-            Key {
-                side: side as u8,
-                edge: edges[self.chords[side].edge(lane, end)],
-                triangle: pair[1 - side].number,
-            }
+            let edge = edges[self.chords[side].edge(lane, end)];
+            Key::new(side, edge, pair[1 - side].number)
         };
         let point = |[x, y, z]: &DPoints<S>| DVec3::new(x[lane], y[lane], z[lane]);
         Segment {

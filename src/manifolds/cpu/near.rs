@@ -32,8 +32,10 @@ pub struct PairPose {
 #[derive(Default)]
 pub struct NearClusters {
     descent: Descent,
-    /// Clusters of the second body, in the order of the traversal.
+    /// Clusters of the second body, in the order of the traversal, and then some of earlier pairs.
     seconds: Vec<PlacedCluster>,
+    /// Number of clusters of the second body.
+    second_count: usize,
     /// Number of pairs of clusters.
     count: usize,
 }
@@ -50,10 +52,12 @@ impl NearClusters {
         let [tree_a, tree_b] = trees(simd, sides, pose, limits.reach);
         self.descent.run(&tree_a, &tree_b);
         let transform = ClusterTransform::new(simd, sides, 1);
-        self.seconds.clear();
-        for cluster in self.descent.second() {
-            self.seconds
-                .push(PlacedCluster::new(&sides[1], &transform, cluster, search, limits.pad));
+        self.second_count = self.descent.second().count();
+        if self.seconds.len() < self.second_count {
+            self.seconds.resize_with(self.second_count, PlacedCluster::default);
+        }
+        for (placed, cluster) in self.seconds.iter_mut().zip(self.descent.second()) {
+            placed.place(&sides[1], &transform, cluster, search, limits.pad);
         }
         self.count = self.descent.pairs().map(|(_, others)| others.len()).sum();
     }
@@ -128,7 +132,7 @@ impl NearTriangles {
         seconds.clear();
         pairs.clear();
         seconds_listed.clear();
-        seconds_listed.resize(clusters.seconds.len(), [NOT_LISTED; CLUSTER]);
+        seconds_listed.resize(clusters.second_count, [NOT_LISTED; CLUSTER]);
         let mut limits = Limits::new(search, size);
         // The normals of two-sided triangles may turn round.
         let one_sided = sides.iter().all(|side| side.features.one_sided.all());
@@ -137,8 +141,9 @@ impl NearTriangles {
         }
         let crossing = if search.crossings { CROSSING } else { 0 };
         let transform = ClusterTransform::new(simd, sides, 0);
+        let mut a = PlacedCluster::default();
         for (cluster, others) in clusters.descent.pairs().skip(range.start).take(range.len()) {
-            let a = PlacedCluster::new(&sides[0], &transform, cluster, search, limits.pad);
+            a.place(&sides[0], &transform, cluster, search, limits.pad);
             if a.lanes == 0 {
                 continue;
             }
@@ -146,8 +151,14 @@ impl NearTriangles {
             for &other in others {
                 let b = &clusters.seconds[other as usize];
                 let listed = &mut seconds_listed[other as usize];
+                // All boxes first: processors mispredict the branches of one triangle after the other.
+                let (mut boxes, mut rows) = ([0; CLUSTER], 0);
                 for i in bits(a.lanes & a.near_box(simd, b, limits.reach)) {
-                    let near = a.near(simd, i, b, &limits);
+                    boxes[i] = a.near_boxes(simd, i, b, &limits);
+                    rows |= u32::from(boxes[i] != 0) << i;
+                }
+                for i in bits(rows) {
+                    let near = a.near(simd, i, b, boxes[i], &limits);
                     for j in bits(near.any()) {
                         let parts = near.parts(j) & (owned_features([a.owned[i], b.owned[j]]) | crossing);
                         if parts != 0 {

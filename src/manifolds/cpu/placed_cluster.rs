@@ -19,7 +19,8 @@ use crate::state::mesh_arena::{Stored, StoredPoints};
 use glam::Vec3;
 
 /// Eight triangles in single precision, relative to the first body's centre of mass. Only triangles of near pairs are
-/// computed in double precision.
+/// computed in double precision. It is placed where it stays, because it is large.
+#[derive(Default)]
 pub struct PlacedCluster {
     corners: [StoredPoints; 3],
     /// Cross products of two edges, and their lengths.
@@ -36,6 +37,8 @@ pub struct PlacedCluster {
     edge_rotation: Stored,
     min: StoredPoints,
     max: StoredPoints,
+    /// Sum of the sides of the triangles' boxes.
+    sides: Stored,
     /// Box around the triangles that take part.
     bounds: Aabb,
     /// Extent along [`Window::direction`].
@@ -112,8 +115,16 @@ pub(crate) const DIRECTION_ERROR: f32 = 1.0e-3;
 pub(crate) const AROUND_ERROR: f32 = 1.001;
 
 impl PlacedCluster {
+    /// Places a cluster here. `pad` is the rounding allowance.
     #[inline(always)]
-    pub fn new<S: Simd>(side: &Side, transform: &ClusterTransform<S>, cluster: u32, search: &Search, pad: f32) -> Self {
+    pub fn place<S: Simd>(
+        &mut self,
+        side: &Side,
+        transform: &ClusterTransform<S>,
+        cluster: u32,
+        search: &Search,
+        pad: f32,
+    ) {
         let ClusterTransform {
             simd,
             rows,
@@ -139,27 +150,25 @@ impl PlacedCluster {
         let squares = [dot(from_p, from_p), dot(from_q, from_q), dot(from_r, from_r)];
         let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
         let first = cluster * CLUSTER as u32;
-        let mut placed = Self {
-            corners: [store_points(p), store_points(q), store_points(r)],
-            normal: store_points(normal),
-            length: store(length),
-            direction: store_points(scale(normal, inverse)),
-            slack: store(slack),
-            middle: store_points(middle),
-            around: store(largest(squares).sqrt()),
-            edge_rotation: side.edge_normal_rotations(first),
-            min: store_points(low),
-            max: store_points(high),
-            bounds: Aabb::EMPTY,
-            min_along: Stored::default(),
-            max_along: Stored::default(),
-            lanes: own.lanes,
-            faces: own.lanes,
-            edges: own.lanes,
-            first,
-            owned: std::array::from_fn(|i| side.features.owned.get(first as usize + i).copied().unwrap_or(0)),
-            winding: *outward,
-        };
+        let extent = sub(high, low);
+        let placed = self;
+        placed.corners = [store_points(p), store_points(q), store_points(r)];
+        placed.normal = store_points(normal);
+        placed.length = store(length);
+        placed.direction = store_points(scale(normal, inverse));
+        placed.slack = store(slack);
+        placed.middle = store_points(middle);
+        placed.around = store(largest(squares).sqrt());
+        placed.edge_rotation = side.edge_normal_rotations(first);
+        (placed.min, placed.max) = (store_points(low), store_points(high));
+        placed.sides = store(extent[0] + extent[1] + extent[2]);
+        (placed.min_along, placed.max_along) = Default::default();
+        (placed.lanes, placed.faces, placed.edges) = (own.lanes, own.lanes, own.lanes);
+        placed.first = first;
+        for (i, owned) in placed.owned.iter_mut().enumerate() {
+            *owned = side.features.owned.get(first as usize + i).copied().unwrap_or(0);
+        }
+        placed.winding = *outward;
         if let Some(window) = &search.window {
             (placed.lanes, placed.faces, placed.edges) = (0, 0, 0);
             let unit = scale(normal, inverse * splat(simd, *forward));
@@ -190,11 +199,11 @@ impl PlacedCluster {
             placed.min_along = store(least(along));
             placed.max_along = store(largest(along));
         }
+        placed.bounds = Aabb::EMPTY;
         for i in bits(placed.lanes) {
             placed.bounds.min = placed.bounds.min.min(lane_of(&placed.min, i));
             placed.bounds.max = placed.bounds.max.max(lane_of(&placed.max, i));
         }
-        placed
     }
 
     /// Lanes whose boxes are no farther than `reach` from the box around `other`.
@@ -203,25 +212,40 @@ impl PlacedCluster {
         bitmask(self.boxes_are_near(simd, &other.bounds, reach))
     }
 
-    /// Lanes of `other` whose triangles may have features with the triangle in lane `i` or cross it: neither their boxes
-    /// nor one of their planes separate them by more than the reach, and they are in the window.
+    /// The box of the triangle in lane `i`.
     #[inline(always)]
-    pub fn near<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> NearLanes {
-        let &Limits { reach, crossing, .. } = limits;
-        let own = Aabb {
+    fn box_of(&self, i: usize) -> Aabb {
+        Aabb {
             min: lane_of(&self.min, i),
             max: lane_of(&self.max, i),
-        };
-        let last = splat(simd, self.max_along.0[i] + crossing);
-        let boxes = other.boxes_are_near(simd, &own, reach) & load(simd, &other.min_along).simd_le(last);
-        let [own_face, own_edges] = [self.faces, self.edges].map(|lanes| if lanes >> i & 1 == 1 { !0 } else { 0 });
-        let boxes = bitmask(boxes) & other.lanes & (own_face | other.faces | own_edges & other.edges);
-        if boxes == 0 {
-            return NearLanes::default();
         }
+    }
+
+    /// Lanes of `other` in the window whose boxes are no farther than the reach from that of the triangle in lane `i`.
+    #[inline(always)]
+    pub fn near_boxes<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> u32 {
+        let last = splat(simd, self.max_along.0[i] + limits.crossing);
+        let boxes = other.boxes_are_near(simd, &self.box_of(i), limits.reach);
+        let boxes = bitmask(boxes & load(simd, &other.min_along).simd_le(last));
+        let [face, edges] = self.in_window(i);
+        boxes & other.lanes & (face | other.faces | edges & other.edges)
+    }
+
+    /// All lanes if the face of the triangle in lane `i` may have a feature with a normal that is wanted, and all if its
+    /// edges may.
+    #[inline(always)]
+    fn in_window(&self, i: usize) -> [u32; 2] {
+        [self.faces, self.edges].map(|lanes| (lanes >> i & 1).wrapping_neg())
+    }
+
+    /// Those of the lanes `boxes` of `other` whose triangles may have features with the triangle in lane `i` or cross it: none
+    /// of their planes separates them by more than the reach.
+    #[inline(always)]
+    pub fn near<S: Simd>(&self, simd: S, i: usize, other: &Self, boxes: u32, limits: &Limits) -> NearLanes {
+        let &Limits { reach, crossing, .. } = limits;
         // Upper bound of the distance between any two points of two triangles whose boxes are near.
-        let size = sub(load_points(simd, &other.max), load_points(simd, &other.min));
-        let spread = splat(simd, (own.max - own.min).element_sum() + reach) + size[0] + size[1] + size[2];
+        let spread = splat(simd, self.sides.0[i] + reach) + load(simd, &other.sides);
+        let [own_face, own_edges] = self.in_window(i);
         let normal = splat_point(simd, lane_of(&self.normal, i));
         let corners = [
             splat_point(simd, lane_of(&self.corners[0], i)),
@@ -256,7 +280,7 @@ impl PlacedCluster {
         }
         let close = splat(simd, crossing);
         let apart = over_own.beyond(close) | over_other.beyond(close);
-        let meet = other.boxes_are_near(simd, &own, crossing) & !apart;
+        let meet = other.boxes_are_near(simd, &self.box_of(i), crossing) & !apart;
         let mut found = NearLanes {
             crossing: near & bitmask(meet),
             ..NearLanes::default()
