@@ -261,3 +261,51 @@ fn boxes_are_within<S: Simd>(a: &Four<S>, b: &Four<S>, distance: f64) -> mask64x
     let simd = gap.simd;
     gap.simd_le(f64x4::splat(simd, distance) + f64x4::splat(simd, COORDINATE_ERROR) * error)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::near::tests::random_pairs;
+    use super::super::pair::ROUNDING;
+    use super::*;
+    use crate::geometry::triangle::intersect;
+    use crate::simd::level::with_simd;
+
+    #[test]
+    fn triangles_cross_where_the_test_of_two_triangles_finds_their_intersection() {
+        let (mut tests, mut hits) = (0, 0);
+        random_pairs(40, |round, pair| {
+            let sides = &pair.sides;
+            let triangles = [0, 1].map(|i: usize| {
+                let count = sides[i].features.triangles.len() as u32;
+                (0..count).map(|t| sides[i].triangle(t)).collect::<Vec<_>>()
+            });
+            let mut crossings = Crossings::default();
+            let mut expected = vec![];
+            for (i, a) in (0..).zip(&triangles[0]) {
+                for (j, b) in (0..).zip(&triangles[1]) {
+                    crossings.push([i, j]);
+                    let both = intersect(&a.corners, &b.corners).filter(|both| !both.coplanar);
+                    expected.extend(both.map(|both| ([i, j], [both.start, both.end])));
+                    tests += 1;
+                }
+            }
+            let mut found = vec![];
+            let lists = triangles.each_ref().map(Vec::as_slice);
+            let rounding = ROUNDING * f64::from(pair.pose.size);
+            with_simd!(simd => crossings.segments(simd, sides, lists, rounding, &mut found));
+            assert!(
+                found.iter().map(|s| s.triangles).eq(expected.iter().map(|e| e.0)),
+                "round {round}"
+            );
+            for (segment, (_, [start, end])) in found.iter().zip(expected) {
+                let [p, q] = segment.ends;
+                let error = |p: DVec3, q: DVec3| p.distance(start).max(q.distance(end));
+                assert!(error(p, q).min(error(q, p)) < 1.0e-9, "round {round}: {segment:?}");
+                let [a, b] = [0, 1].map(|i| triangles[i][segment.triangles[i] as usize].normal);
+                assert!(a.cross(b).dot(q - p) > 0.0, "round {round}: {segment:?} runs back");
+                hits += 1;
+            }
+        });
+        assert!(hits > 1000, "{hits} of {tests} cross");
+    }
+}

@@ -254,7 +254,7 @@ fn trees<'a, S: Simd>(simd: S, sides: &[Side<'a>; 2], pose: &PairPose, reach: f3
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::candidates::Candidates;
     use super::super::crossing::Crossings;
     use super::super::feature::{Feature, TrianglePair};
@@ -319,7 +319,7 @@ mod tests {
     }
 
     /// Bodies of several shapes, in random poses near each other, some scaled or mirrored.
-    fn random_pairs(rounds: usize, mut each: impl FnMut(usize, &Pair)) {
+    pub fn random_pairs(rounds: usize, mut each: impl FnMut(usize, &Pair)) {
         let open = shapes::torus(12, 10, 0.7, 0.3);
         let open = TriMesh::new(open.vertices().to_vec(), open.triangles()[..200].to_vec()).unwrap();
         let shapes = [
