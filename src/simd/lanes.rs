@@ -88,7 +88,7 @@ pub fn widen<S: Simd>(a: Points<S>, by: f32x8<S>) -> Points<S> {
 }
 
 #[inline(always)]
-pub fn abs<S: Simd>(a: Points<S>) -> Points<S> {
+pub fn abs<S: Simd, N: SimdFloat<S>>(a: [N; 3]) -> [N; 3] {
     [a[0].abs(), a[1].abs(), a[2].abs()]
 }
 
@@ -202,6 +202,16 @@ pub fn bitmask<S: Simd>(mask: mask32x8<S>) -> u32 {
 #[inline(always)]
 pub fn bitmask_of_four<S: Simd>(mask: mask64x4<S>) -> u32 {
     mask.to_bitmask() as u32
+}
+
+/// Eight points, one per lane. An array's `map` would not be inlined.
+#[inline(always)]
+pub fn eight_points<S: Simd>(simd: S, [a, b, c, d, e, f, g, h]: [Vec3; 8]) -> Points<S> {
+    [
+        f32x8::simd_from(simd, [a.x, b.x, c.x, d.x, e.x, f.x, g.x, h.x]),
+        f32x8::simd_from(simd, [a.y, b.y, c.y, d.y, e.y, f.y, g.y, h.y]),
+        f32x8::simd_from(simd, [a.z, b.z, c.z, d.z, e.z, f.z, g.z, h.z]),
+    ]
 }
 
 /// Four points, one per lane.

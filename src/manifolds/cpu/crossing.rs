@@ -2,7 +2,7 @@
 
 use super::side::{Side, Triangle};
 use crate::simd::lanes::{
-    DPoints, Select, Simd, SimdBase, SimdFloat, SimdMask, add, bitmask_of_four, bits, cross, dot, each, f64x4,
+    DPoints, Select, Simd, SimdBase, SimdFloat, SimdMask, abs, add, bitmask_of_four, bits, cross, dot, each, f64x4,
     four_points, heights, largest, mask64x4, max, min, pick, scale, sub,
 };
 use glam::DVec3;
@@ -99,13 +99,13 @@ struct Four<S: Simd> {
 impl<S: Simd> Four<S> {
     #[inline(always)]
     fn new(simd: S, four: [&Triangle; 4]) -> Self {
-        let corner = |k: usize| four_points(simd, [0, 1, 2, 3].map(|lane| four[lane].corners[k]));
-        let [a, b, c, d] = four.map(|triangle| u64::from(triangle.backward));
+        let [a, b, c, d] = four;
+        let corner = |k: usize| four_points(simd, [a.corners[k], b.corners[k], c.corners[k], d.corners[k]]);
         Self {
             corners: [corner(0), corner(1), corner(2)],
-            normal: four_points(simd, four.map(|triangle| triangle.normal)),
+            normal: four_points(simd, [a.normal, b.normal, c.normal, d.normal]),
             backward: each(|k| {
-                let bit = |edges: u64| edges >> k & 1;
+                let bit = |triangle: &Triangle| u64::from(triangle.backward >> k & 1);
                 mask64x4::from_bitmask(simd, bit(a) | bit(b) << 1 | bit(c) << 2 | bit(d) << 3)
             }),
         }
@@ -156,7 +156,7 @@ impl<S: Simd> Chord<S> {
         Self {
             points: [pick(swapped, last, first), pick(swapped, first, last)],
             at: [swapped.select(at[1], at[0]), swapped.select(at[0], at[1])],
-            alone: [third, second].map(bitmask_of_four),
+            alone: [bitmask_of_four(third), bitmask_of_four(second)],
             swapped: bitmask_of_four(swapped),
         }
     }
@@ -198,10 +198,9 @@ struct Crossed<S: Simd> {
 impl<S: Simd> Crossed<S> {
     #[inline(always)]
     fn new(simd: S, pairs: &[[&Triangle; 2]; 4], rounding: f64) -> Self {
-        let [a, b] = [0, 1].map(
-            #[inline(always)]
-            |side| Four::new(simd, pairs.map(|pair| pair[side])),
-        );
+        let [p, q, r, s] = pairs;
+        let a = Four::new(simd, [p[0], q[0], r[0], s[0]]);
+        let b = Four::new(simd, [p[1], q[1], r[1], s[1]]);
         let heights_a = heights(&a.corners, b.corners[0], b.normal);
         let heights_b = heights(&b.corners, a.corners[0], a.normal);
         let tie = f64x4::splat(simd, rounding);
@@ -228,7 +227,7 @@ impl<S: Simd> Crossed<S> {
                 pick(starts, chord_b.points[0], chord_a.points[0]),
                 pick(ends, chord_b.points[1], chord_a.points[1]),
             ],
-            of_second: [starts, ends].map(bitmask_of_four),
+            of_second: [bitmask_of_four(starts), bitmask_of_four(ends)],
             chords: [chord_a, chord_b],
         }
     }
@@ -255,8 +254,7 @@ impl<S: Simd> Crossed<S> {
 #[inline(always)]
 fn boxes_are_within<S: Simd>(a: &Four<S>, b: &Four<S>, distance: f64) -> mask64x4<S> {
     let ([low_a, high_a], [low_b, high_b]) = (a.boxes(), b.boxes());
-    let extent = |low: DPoints<S>| largest(low.map(|x| x.abs()));
-    let error = extent(low_a) + extent(low_b);
+    let error = largest(abs(low_a)) + largest(abs(low_b));
     let gap = largest(max(sub(low_a, high_b), sub(low_b, high_a)));
     let simd = gap.simd;
     gap.simd_le(f64x4::splat(simd, distance) + f64x4::splat(simd, COORDINATE_ERROR) * error)

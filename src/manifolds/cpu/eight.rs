@@ -5,8 +5,8 @@ use super::candidates::{CROSSING, Part, Parts};
 use super::feature::BELOW;
 use super::search::Limits;
 use crate::simd::lanes::{
-    Points, Select, Simd, SimdBase, SimdFloat, SimdFrom, add, bitmask, bits, cross, dot, each, f32x8, lanes, largest,
-    least, norm1, scale, splat, sub,
+    Points, Select, Simd, SimdBase, SimdFloat, SimdFrom, add, bitmask, bits, cross, dot, each, eight_points, f32x8,
+    lanes, largest, least, norm1, scale, splat, sub,
 };
 use glam::Vec3;
 
@@ -218,12 +218,18 @@ fn ends_of_edges(task: &Task, triangles: &[Vec<SmallTriangle>; 2], pairs: &[Smal
 /// A point for each of eight lanes.
 #[inline(always)]
 fn gather<S: Simd, T>(simd: S, from: &[T; 8], point: impl Fn(&T) -> Vec3) -> Points<S> {
-    let points: [Vec3; 8] = std::array::from_fn(|lane| point(&from[lane]));
-    [
-        f32x8::simd_from(simd, points.map(|p| p.x)),
-        f32x8::simd_from(simd, points.map(|p| p.y)),
-        f32x8::simd_from(simd, points.map(|p| p.z)),
-    ]
+    let [a, b, c, d, e, f, g, h] = from;
+    let points = [
+        point(a),
+        point(b),
+        point(c),
+        point(d),
+        point(e),
+        point(f),
+        point(g),
+        point(h),
+    ];
+    eight_points(simd, points)
 }
 
 /// Lanes in which a corner may have a feature with the face that it is over.
