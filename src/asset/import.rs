@@ -231,7 +231,7 @@ impl<'a> Source<'a> {
 }
 
 /// The hash of all input that the mesh depends on.
-pub(super) fn source_hash(bytes: &[u8], part: Option<&MeshPart>, files: &[Vec<u8>]) -> Hash {
+pub(crate) fn source_hash(bytes: &[u8], part: Option<&MeshPart>, files: &[Vec<u8>]) -> Hash {
     let hash = format::source_hash(bytes);
     if part.is_none() && files.is_empty() {
         return hash;

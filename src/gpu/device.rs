@@ -59,7 +59,7 @@ pub enum NoGpu {
     NoAdapter,
     /// The machine has no GPU, so adapters are not enumerated.
     #[error(
-        "there is no graphics card: nothing in /dev through which a driver would reach one. Backend::Gpu looks for adapters all the same"
+        "there is no GPU: nothing in /dev through which a driver would reach one. Backend::Gpu looks for adapters all the same"
     )]
     NoCard,
     /// The program runs in a browser, where a step cannot wait for a GPU.

@@ -10,6 +10,7 @@
 //! | move a game from Avian | [`from_avian`] |
 //! | move a game from bevy_rapier | [`from_bevy_rapier`] |
 //! | understand a warning, an error or a surprise | [`troubleshooting`] |
+//! | look up a word, a limit or a built-in shape | [`glossary`] |
 //!
 //! The README has the tables of everything that there is, and the examples are programs to start from.
 
@@ -17,6 +18,7 @@ pub mod choose_settings;
 pub mod comparison;
 pub mod from_avian;
 pub mod from_bevy_rapier;
+pub mod glossary;
 pub mod how_it_works;
 pub mod scenes;
 pub mod troubleshooting;

@@ -196,7 +196,7 @@ impl Engine {
         }
     }
 
-    /// Opens the device of `source` and compiles kernels; in the background unless the reading is `Lockstep`.
+    /// Opens the device of `source` and compiles kernels; in the background with any [`Readback`] but `Lockstep`.
     #[cfg(feature = "gpu")]
     fn start(&mut self) {
         self.active = ActiveBackend::Opening;

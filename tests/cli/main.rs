@@ -60,7 +60,7 @@ impl Folder {
     fn run(&self, arguments: &[&str]) -> Run {
         let output = self
             .command(arguments)
-            // With a card, a layer of Mesa's complains on standard error if there is none.
+            // With a GPU, a layer of Mesa's complains on standard error if there is none.
             .env("XDG_RUNTIME_DIR", self.0.path())
             .timeout(std::time::Duration::from_secs(300))
             .output()

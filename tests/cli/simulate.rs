@@ -247,7 +247,7 @@ fn a_scene_refuses_options_that_mean_nothing_to_it() {
     folder.bad(&["simulate", "--scene", "chain", "--side", "3"], &["--side", "chain"]);
     folder.bad(&["simulate", "--scene", "hole"], &["hole", "incline"]);
     folder.bad(
-        &["simulate", "--frames", "frames", "--reading", "resident"],
+        &["simulate", "--frames", "frames", "--readback", "resident"],
         &["--frames", "resident", "latent"],
     );
 }
@@ -333,7 +333,7 @@ fn without_an_adapter_a_gpu_is_an_error_and_the_default_a_run_on_the_cpu() {
 /// Mesa complains that XDG_RUNTIME_DIR is missing whenever it is asked for adapters, so that nobody may ask for nothing.
 #[cfg(target_os = "linux")]
 #[test]
-fn without_a_card_and_a_desktop_standard_error_stays_empty() {
+fn without_a_gpu_and_a_desktop_standard_error_stays_empty() {
     if Path::new("/dev/dri").exists() || Path::new("/dev/nvidiactl").exists() {
         return;
     }

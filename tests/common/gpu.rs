@@ -1,4 +1,4 @@
-//! The harness of tests that need a graphics card, real or emulated on the CPU as by Mesa's lavapipe.
+//! The harness of tests that need a GPU, real or emulated on the CPU as by Mesa's lavapipe.
 //!
 //! Without one every test is reported as *ignored*, or fails where one is required: see `no_device.rs`. The device is
 //! opened once per thread. Two tests run at a time unless configured otherwise: lavapipe uses all cores for a large dispatch,

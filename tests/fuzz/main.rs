@@ -28,6 +28,13 @@ fn fuzz(name: &str, times: usize) {
     }
 }
 
+/// At least every tenth input must have led to something that touches, else the target would have proved nothing.
+fn require_touches(name: &str, times: u64) {
+    let touches = pairs::TOUCHES.take();
+    println!("{name}: {touches} touches of {times} inputs");
+    assert!(touches > times / 10, "{name}: {touches} touches of {times} inputs");
+}
+
 #[test]
 fn readers() {
     for name in targets::READERS {
@@ -45,14 +52,17 @@ fn seeds_of_readers_are_valid() {
 #[test]
 fn faces_of_random_meshes() {
     fuzz("faces", 20_000);
+    require_touches("faces", 20_000);
 }
 
 #[test]
 fn contacts_of_random_meshes() {
     fuzz("contacts", 5000);
+    require_touches("contacts", 5000);
 }
 
 #[test]
 fn steps_of_random_bodies() {
     fuzz("step", 5000);
+    require_touches("step", 5000);
 }

@@ -22,11 +22,12 @@ pub fn of(name: &str) -> Vec<Vec<u8>> {
         "faceoff" => baked(&cube).into(),
         "recipe" => RECIPES.map(Vec::from).into(),
         "scene" => SCENES.map(Vec::from).into(),
-        // Any bytes are meshes and poses.
-        _ => (0..8u64)
+        // Any bytes are meshes and poses: of two bodies, and of up to four in many combinations of kinds and settings.
+        _ => (0..if name == "step" { 32 } else { 8u64 })
             .map(|seed| {
                 let mut random = fastrand::Rng::with_seed(seed);
-                (0..160).map(|_| random.u8(..)).collect()
+                let length = if name == "step" { 400 } else { 160 };
+                (0..length).map(|_| random.u8(..)).collect()
             })
             .collect(),
     }

@@ -263,6 +263,33 @@ fn the_same_triangle_twice_and_one_in_the_other() {
     }
 }
 
+/// `TriMesh` drops triangles without an area, so no verdict is promised. But one that gets here ends nothing.
+#[test]
+fn triangles_without_an_area_give_finite_answers() {
+    let inside = DVec3::new(0.25, 0.25, 0.0);
+    let above = inside + DVec3::Z;
+    let without_area = [
+        [inside; 3],
+        [above; 3],
+        [inside, inside, above],
+        [above, inside - DVec3::Z, inside],
+        [FLAT[0], FLAT[1], FLAT[1]],
+        [FLAT[0], FLAT[1], FLAT[0].lerp(FLAT[1], 0.5)],
+        [DVec3::ZERO; 3],
+    ];
+    for (i, a) in without_area.iter().enumerate() {
+        assert!(degenerate(a), "{a:?}");
+        for b in without_area[i..].iter().chain([&FLAT]) {
+            for found in [intersect(a, b), intersect(b, a)].into_iter().flatten() {
+                assert!(
+                    found.start.is_finite() && found.end.is_finite(),
+                    "{found:?}: {a:?} {b:?}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn cases_of_another_library() {
     let Some(path) = data::file("tritri/three-mesh-bvh_cases.json") else {

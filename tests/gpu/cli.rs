@@ -10,7 +10,7 @@ use std::path::Path;
 pub const TESTS: &[Test] = &[
     ("simulate_finds_the_same_pairs_on_both", simulate),
     ("check_finds_the_same_faces_on_both", check),
-    ("simulate_reads_results_at_once_later_or_never", readings),
+    ("simulate_reads_results_at_once_later_or_never", readbacks),
 ];
 
 fn run(folder: &Path, arguments: &[&str]) -> Value {
@@ -53,17 +53,23 @@ fn simulate(_: &Gpu) {
 }
 
 /// The same steps, whenever their results are read; what was asked of the device is told.
-fn readings(_: &Gpu) {
+fn readbacks(_: &Gpu) {
     let folder = tempfile::tempdir().unwrap();
-    let on = |reading| {
+    let on = |readback| {
+        // The flag has been called so before.
+        let flag = if readback == "latent" {
+            "--reading"
+        } else {
+            "--readback"
+        };
         let scene = ["simulate", "--bodies", "60", "--steps", "5", "--side", "4"];
-        let how = ["--backend", "gpu", "--reading", reading, "--json", "-"];
+        let how = ["--backend", "gpu", flag, readback, "--json", "-"];
         run(folder.path(), &[&scene[..], &how].concat())
     };
     let all = ["lockstep", "latent", "resident"].map(on);
     let [lockstep, latent, resident] = &all;
     for (record, name) in all.iter().zip(["lockstep", "latent", "resident"]) {
-        assert_eq!(record["meta"]["reading"], name);
+        assert_eq!(record["meta"]["readback"], name);
         let steps = record["steps"].as_array().unwrap();
         assert_eq!(steps.len(), 5);
         for (i, step) in steps.iter().enumerate() {

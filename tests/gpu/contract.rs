@@ -1,4 +1,4 @@
-//! What Rust knows of kernels, structs and constants is what the WGSL says. Needs no graphics card.
+//! What Rust knows of kernels, structs and constants is what the WGSL says. Needs no GPU.
 
 use crate::gpu::Plain;
 use bevy_faceoff::gpu::buffers::{Buffers, Capacity};

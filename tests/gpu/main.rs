@@ -38,11 +38,16 @@ fn main() {
             #[cfg(feature = "bevy")]
             ("apps::changes", apps::changes::TESTS),
             #[cfg(feature = "bevy")]
+            ("apps::clock", apps::clock::TESTS),
+            #[cfg(feature = "bevy")]
             ("apps::with_contacts", apps::with_contacts::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::drawn", apps::drawn::TESTS),
             #[cfg(feature = "bevy")]
+            ("apps::every_readback", apps::every_readback::TESTS),
+            #[cfg(feature = "bevy")]
             ("apps::fast_bodies", apps::fast_bodies::TESTS),
+            #[cfg(feature = "bevy")]
             ("apps::readback", apps::readback::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::soak", apps::soak::TESTS),

@@ -406,3 +406,107 @@ fn an_imperfect_mesh_is_named_once_in_the_log() {
     assert!(warnings[0].contains("fewer than three corners"));
     assert!(warnings[1].contains("1 of 2 faces") && warnings[2].contains("open"));
 }
+
+/// Bakes as the command line does, with the hash of its source.
+fn bake_of(folder: &TempDir, source: &str) -> Vec<u8> {
+    let bevy_faceoff::asset::Imported::Mesh { mesh, source_hash, .. } =
+        bevy_faceoff::asset::import_file(folder.path().join(source)).unwrap()
+    else {
+        panic!("{source} is baked already");
+    };
+    format::to_bytes(&CollisionMesh::new(&mesh), source_hash)
+}
+
+#[test]
+fn a_baked_file_older_than_its_source_is_told_and_baked_anew() {
+    if log::ran_alone("loader::a_baked_file_older_than_its_source_is_told_and_baked_anew") {
+        return;
+    }
+    log::keep(&[Level::WARN]);
+    let mut stage = Stage::new(&[
+        (
+            "parts.obj",
+            format!("o Wheel\n{}", to_obj(&shapes::cube(1.0))).as_bytes(),
+        ),
+        (
+            "parts_Wheel.bake.ron",
+            b"(mesh: \"parts.obj\", part: (object: \"Wheel\"))",
+        ),
+        ("alone.obj", to_obj(&shapes::cube(1.0)).as_bytes()),
+        ("proxy.obj", to_obj(&shapes::cube(1.0)).as_bytes()),
+        ("proxy.stl", FACET_STL),
+        ("broken.obj", to_obj(&shapes::cube(1.0)).as_bytes()),
+        ("broken.bake.ron", b"(mesh: \"broken.obj\")"),
+    ]);
+    for (baked, source) in [
+        ("parts_Wheel.faceoff", "parts_Wheel.bake.ron"),
+        ("alone.faceoff", "alone.obj"),
+        ("proxy.faceoff", "proxy.obj"),
+        ("broken.faceoff", "broken.bake.ron"),
+        ("shipped.faceoff", "alone.obj"),
+    ] {
+        write(stage.folder.path(), baked, bake_of(&stage.folder, source));
+    }
+    let all = [
+        "parts_Wheel.faceoff",
+        "alone.faceoff",
+        "proxy.faceoff",
+        "broken.faceoff",
+        "shipped.faceoff",
+    ];
+    for name in all {
+        assert_eq!(stage.loaded(name).mesh.triangles().len(), 12, "{name}");
+    }
+    assert_eq!(log::take(), [""; 0], "all are up to date");
+    for _ in 0..3 {
+        stage.app.update();
+    }
+
+    // All sources change but that of the one that is not there.
+    let torus = torus_obj();
+    let others = [
+        ("alone.obj", &*torus),
+        ("proxy.obj", &*torus),
+        ("broken.obj", "v 1 2\n"),
+    ];
+    write(stage.folder.path(), "parts.obj", format!("o Wheel\n{torus}"));
+    for (name, text) in others {
+        write(stage.folder.path(), name, text);
+    }
+    for (name, triangles, words) in [
+        // What the recipe names is the source, so it is baked.
+        (
+            "parts_Wheel.faceoff",
+            240,
+            &["parts.obj has changed", "`faceoff bake` with parts_Wheel.bake.ron"][..],
+        ),
+        // A file of the same name may be another mesh.
+        ("alone.faceoff", 12, &["not baked from alone.obj", "bake it again"]),
+        ("proxy.faceoff", 12, &["not baked from proxy", "bake it again"]),
+        (
+            "broken.faceoff",
+            12,
+            &["broken.obj has changed", "The old mesh is used"],
+        ),
+        ("shipped.faceoff", 12, &[]),
+    ] {
+        assert_eq!(stage.loaded(name).mesh.triangles().len(), triangles, "{name}");
+        let lines = log::take();
+        assert_eq!(lines.len(), usize::from(!words.is_empty()), "{lines:?}");
+        for word in words {
+            assert!(lines[0].starts_with(name) && lines[0].contains(word), "{lines:?}");
+        }
+    }
+
+    // Once it is baked again nothing is told.
+    write(
+        stage.folder.path(),
+        "parts_Wheel.faceoff",
+        bake_of(&stage.folder, "parts_Wheel.bake.ron"),
+    );
+    for _ in 0..3 {
+        stage.app.update();
+    }
+    assert_eq!(stage.loaded("parts_Wheel.faceoff").mesh.triangles().len(), 240);
+    assert_eq!(log::take(), [""; 0]);
+}

@@ -84,7 +84,7 @@ fn a_mesh_without_a_table_is_exact_until_one_is_baked() {
     let assets = sim.app.world().resource::<Assets<CollisionMesh>>();
     assert!(assets.get(&handle).unwrap().faces.is_none());
     let warnings = log::lines();
-    let about_tables: Vec<_> = warnings.iter().filter(|w| w.contains("no table")).collect();
+    let about_tables: Vec<_> = warnings.iter().filter(|w| w.contains("no face table")).collect();
     assert_eq!(about_tables.len(), 1, "{warnings:?}");
 }
 

@@ -102,6 +102,28 @@ pub fn a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does() {
     }
 }
 
+pub fn a_slab_that_teleports_while_it_is_left_out_pushes_nothing_when_it_returns() {
+    let mut sim = Sim::new();
+    sim.world().insert_resource(Response::Contacts);
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let slab = sim.spawn((
+        RigidBody::Kinematic,
+        cube.clone(),
+        Transform::from_xyz(-1.1, 0.0, 0.0).with_scale(Vec3::new(0.2, 2.0, 2.0)),
+    ));
+    let body = sim.spawn((RigidBody::Dynamic, cube, Transform::default()));
+    sim.step(2);
+    sim.set(slab, RigidBodyDisabled);
+    sim.step(4);
+    shift(&mut sim, slab, Vec3::X * 2.6);
+    sim.set(slab, Teleport);
+    sim.step(4);
+    sim.world().entity_mut(slab).remove::<RigidBodyDisabled>();
+    sim.step(8);
+    assert_eq!(sim.velocity(body), Vec3::ZERO);
+    assert_near(sim.position(slab), Vec3::X * 1.5, 1e-6);
+}
+
 pub fn a_body_of_several_colliders_is_moved_by_its_transform_too() {
     let mut sim = Sim::new();
     sim.world().insert_resource(Response::Contacts);

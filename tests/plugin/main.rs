@@ -150,6 +150,7 @@ tests_of! {
     a_lift_moved_by_its_transform_carries_what_stands_on_it
     a_door_turned_by_its_transform_sweeps_a_ball_away
     a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does
+    a_slab_that_teleports_while_it_is_left_out_pushes_nothing_when_it_returns
     a_body_of_several_colliders_is_moved_by_its_transform_too
     a_dynamic_body_that_is_put_elsewhere_ends_its_collisions_at_once
     a_sensor_is_tested_where_it_is_put

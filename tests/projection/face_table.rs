@@ -1,4 +1,4 @@
-//! The file form of the table of faces of collision: what is written is read, and nothing that is made up does harm.
+//! The file form of the face table: what is written is read, and nothing that is made up does harm.
 
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::projection::faces::TableError;

@@ -16,6 +16,8 @@ pub struct Game {
     pub app: App,
     /// Whether steps are frames of the app. Else they run at once, and wait for their results.
     in_frames: bool,
+    /// Whether all steps must run on a GPU.
+    stays_on_gpu: bool,
 }
 
 impl Game {
@@ -34,7 +36,11 @@ impl Game {
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }));
         app.finish();
         app.cleanup();
-        Self { app, in_frames: false }
+        Self {
+            app,
+            in_frames: false,
+            stays_on_gpu: backend == Backend::Gpu,
+        }
     }
 
     /// Where the steps run.
@@ -101,6 +107,9 @@ impl Game {
             } else {
                 self.world().run_schedule(FaceoffStep);
             }
+            let report = self.app.world().resource::<StepReport>();
+            let is_elsewhere = report.bodies > 0 && report.gpu.is_none();
+            assert!(!(self.stays_on_gpu && is_elsewhere), "a step ran on the CPU");
         }
     }
 

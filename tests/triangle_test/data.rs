@@ -1,4 +1,4 @@
-//! `queries::check` against brute force on third-party meshes, if they lie beside the checkout.
+//! `queries::check` against brute force on shapes of this crate, and on third-party meshes if they lie beside the checkout.
 
 use crate::oracle::body::{Body, Mesh};
 use crate::oracle::brute;
@@ -7,7 +7,10 @@ use crate::oracle::data;
 use crate::oracle::parallel;
 use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
+use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::testing::external::NUT_AND_BOLT;
+use bevy_faceoff::testing::scenes::Shape;
+use bevy_faceoff::testing::scenes::thread::PITCH;
 use glam::{DVec3, Quat};
 use std::sync::Arc;
 use std::time::Instant;
@@ -54,6 +57,52 @@ fn random_poses(a: &Arc<Mesh>, b: &Arc<Mesh>) -> Vec<[Body; 2]> {
             [still(a), turned.moved(by)]
         })
         .collect()
+}
+
+/// A mesh of this crate.
+fn built_in(name: &str, mesh: &TriMesh) -> Arc<Mesh> {
+    Mesh::new(name, mesh.vertices().to_vec(), mesh.triangles().to_vec())
+}
+
+/// The same without the faces on one side of a plane, so that it is open.
+fn opened(name: &str, mesh: &TriMesh) -> Arc<Mesh> {
+    let below = |face: &&[u32; 3]| face.iter().any(|&v| mesh.vertices()[v as usize].y < 0.1);
+    let faces: Vec<_> = mesh.triangles().iter().filter(below).copied().collect();
+    assert!(faces.len() < mesh.triangles().len());
+    Mesh::new(name, mesh.vertices().to_vec(), faces)
+}
+
+#[test]
+fn shapes_of_this_crate_open_and_closed() {
+    let meshes = [
+        built_in("torus", &shapes::torus_240()),
+        built_in("ring", &shapes::ring()),
+        built_in("cube", &shapes::cube(1.0)),
+        opened("open ball", &shapes::ball_320()),
+        opened("open torus", &shapes::torus_240()),
+    ];
+    for (i, a) in meshes.iter().enumerate() {
+        for b in &meshes[i..] {
+            let name = format!("{} {}", a.name, b.name);
+            compare_pairs(&name, 10, random_poses(a, b)).require_few_forgiven();
+        }
+    }
+}
+
+/// Threads of 9,680 and 2,640 triangles: where one leaves room for the other, and where not.
+#[test]
+fn a_nut_on_a_bolt_of_this_crate() {
+    let [bolt, nut] =
+        [("bolt", Shape::Bolt), ("nut", Shape::Nut)].map(|(name, shape)| built_in(name, &shape.mesh().mesh));
+    let still = Body::new(&bolt, DVec3::ZERO, Quat::IDENTITY, 1.0);
+    // Half of the pitch further crest is upon crest. Between that and where it fits the flanks meet. A slight turn keeps rows
+    // of vertices from falling on each other, where rounding decides.
+    let turn = Quat::from_rotation_y(0.03);
+    let on_the_thread = [0.0, 0.23, 0.11, 0.47].map(|part| {
+        let nut = Body::new(&nut, DVec3::NEG_Y * part * f64::from(PITCH), turn, 1.0);
+        [still.clone(), nut]
+    });
+    compare_pairs("nut on bolt", 2, on_the_thread.into()).require_few_forgiven();
 }
 
 #[test]

@@ -50,8 +50,8 @@ pub struct Options {
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
     /// When the results of a GPU are read [default: lockstep]. With resident, collisions stay on the GPU and are only counted.
-    #[arg(long, value_enum)]
-    reading: Option<ReadingChoice>,
+    #[arg(long, value_enum, alias = "reading")]
+    readback: Option<ReadbackChoice>,
     /// Threads of the CPU stages, at most 1024; 0 for one per core.
     #[arg(long, default_value_t = 0, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=1024))]
     threads: usize,
@@ -82,7 +82,7 @@ enum ResponseChoice {
 
 /// When the results of a GPU are read.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum ReadingChoice {
+enum ReadbackChoice {
     /// Each step waits for its results.
     Lockstep,
     /// Results are read two steps later.
@@ -91,7 +91,7 @@ enum ReadingChoice {
     Resident,
 }
 
-impl ReadingChoice {
+impl ReadbackChoice {
     fn name(self) -> &'static str {
         match self {
             Self::Lockstep => "lockstep",
@@ -101,12 +101,12 @@ impl ReadingChoice {
     }
 }
 
-impl From<ReadingChoice> for Readback {
-    fn from(choice: ReadingChoice) -> Self {
+impl From<ReadbackChoice> for Readback {
+    fn from(choice: ReadbackChoice) -> Self {
         match choice {
-            ReadingChoice::Lockstep => Self::Lockstep,
-            ReadingChoice::Latent => Self::Latent,
-            ReadingChoice::Resident => Self::Resident,
+            ReadbackChoice::Lockstep => Self::Lockstep,
+            ReadbackChoice::Latent => Self::Latent,
+            ReadbackChoice::Resident => Self::Resident,
         }
     }
 }
@@ -147,7 +147,7 @@ struct Meta {
     #[serde(skip_serializing_if = "Option::is_none")]
     adapter: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    reading: Option<&'static str>,
+    readback: Option<&'static str>,
     threads: usize,
     response: &'static str,
     dt: f64,
@@ -209,11 +209,11 @@ pub fn run(options: &Options) -> Outcome {
     };
     let step_count = options.steps.unwrap_or(choice.steps());
     let response = options.response.map_or_else(|| choice.response(), Response::from);
-    let reading = options.reading.unwrap_or(ReadingChoice::Lockstep);
-    let is_resident = matches!(reading, ReadingChoice::Resident);
+    let readback = options.readback.unwrap_or(ReadbackChoice::Lockstep);
+    let is_resident = matches!(readback, ReadbackChoice::Resident);
     let mut app = Headless {
         backend: options.backend,
-        readback: reading.into(),
+        readback: readback.into(),
         threads: options.threads,
         culling: options.culling,
         response,
@@ -268,7 +268,7 @@ pub fn run(options: &Options) -> Outcome {
                 ActiveBackend::Gpu { adapter, .. } => Some(adapter.clone()),
                 _ => None,
             },
-            reading: matches!(active, ActiveBackend::Gpu { .. }).then(|| reading.name()),
+            readback: matches!(active, ActiveBackend::Gpu { .. }).then(|| readback.name()),
             threads: bevy_faceoff::plugin::threads(app.world()),
             response: match response {
                 Response::None => "none",
@@ -296,10 +296,10 @@ impl Options {
             ("--speed", self.speed.is_some() && scene != SceneChoice::Box),
             ("--side", self.side.is_some() && scene != SceneChoice::Box),
         ];
-        let is_resident = matches!(self.reading, Some(ReadingChoice::Resident));
+        let is_resident = matches!(self.readback, Some(ReadbackChoice::Resident));
         if is_resident && self.frames.is_some() {
             return Err(Wrong(
-                "--frames draws what is read back, and --reading resident reads nothing: use latent".into(),
+                "--frames draws what is read back, and --readback resident reads nothing: use latent".into(),
             )
             .into());
         }

@@ -21,6 +21,11 @@
 //! handle is dropped. Face tables are baked one after the other. Bevy keeps the file of a waiting load open, and a
 //! thousand open files are more than some systems allow: bake so many tables ahead of time.
 //!
+//! A `.faceoff` file holds the hash of its source. If a recipe of the same name lies beside it, and what the recipe names has
+//! changed since, a warning says so and the mesh is baked anew. Without a recipe there is only a warning, if a mesh file of the
+//! same name is not the one that was baked. So keep the recipe beside the baked file while you work on the mesh. A game
+//! that is shipped with baked files alone reads nothing else.
+//!
 //! This describes `AssetMode::Unprocessed`, Bevy's default. For `AssetMode::Processed` see
 //! [`processor`](super::processor).
 //!
@@ -37,9 +42,10 @@
 
 use super::error::LoadError;
 use super::jobs::{on_bake_pool, on_compute_pool};
+use super::stale;
 use crate::asset::MeshPart;
 use crate::asset::collision_mesh::CollisionMesh;
-use crate::asset::format::MAGIC;
+use crate::asset::format::{self, Header, MAGIC};
 use crate::asset::import::{Imported, Source};
 use crate::asset::recipe::{Recipe, is_recipe};
 use crate::projection::BakeSettings;
@@ -102,12 +108,20 @@ impl AssetLoader for CollisionMeshLoader {
                     source: Box::new(source),
                 })?
         } else {
-            let wanted = Wanted {
+            let header = format::read_header(&bytes).ok().filter(|_| part.is_none());
+            let own = Wanted {
                 bake: wanted,
                 part,
                 read_outside: false,
             };
-            load_mesh(context, &path, bytes, wanted, &mut warnings).await?
+            let fresh = match header {
+                Some(header) => load_fresh(context, &path, &header, wanted, &mut warnings).await,
+                None => None,
+            };
+            match fresh {
+                Some(mesh) => mesh,
+                None => load_mesh(context, &path, bytes, own, &mut warnings).await?,
+            }
         };
         // Warnings search the mesh for open edges, which takes too long for the IO pool.
         let checked = mesh.clone();
@@ -123,8 +137,54 @@ impl AssetLoader for CollisionMeshLoader {
     }
 }
 
+/// The mesh of a baked file that is older than its source, baked anew. `None` if the baked file is to be used. Adds to
+/// `warnings` what is wrong with it.
+async fn load_fresh(
+    context: &mut LoadContext<'_>,
+    path: &AssetPath<'static>,
+    header: &Header,
+    bake: Option<BakeSettings>,
+    warnings: &mut Vec<String>,
+) -> Option<CollisionMesh> {
+    match stale::state(context, path, header.source_hash).await {
+        stale::State::Fresh => None,
+        stale::State::Other(source) => {
+            warnings.push(format!(
+                "it was not baked from {source} as that file is now. If that is its source, bake it again: `faceoff bake` \
+                 with {source}. Else write a recipe beside it that names its source, or rename one of them"
+            ));
+            None
+        }
+        stale::State::Recipe {
+            recipe_path,
+            recipe,
+            mesh_path,
+            mesh,
+        } => {
+            // The options of a bake override the recipe, so the settings are those of the file.
+            let wanted = Wanted {
+                bake: bake.or(Some(header.settings)),
+                part: recipe.part,
+                read_outside: recipe.read_outside,
+            };
+            let fresh = load_mesh(context, &mesh_path, mesh, wanted, warnings).await;
+            let fresh = fresh.map_err(|error| {
+                warnings.push(format!(
+                    "{mesh_path} has changed since this file was baked, but cannot be baked: {error}. The old mesh is used"
+                ));
+            });
+            let fresh = fresh.ok()?;
+            warnings.push(format!(
+                "{mesh_path} has changed since this file was baked, so the mesh is baked anew at each start. Bake it once: \
+                 `faceoff bake` with {recipe_path}"
+            ));
+            Some(fresh)
+        }
+    }
+}
+
 /// The asset path of a recipe's mesh.
-fn mesh_path(recipe: &AssetPath<'static>, mesh: &str) -> Result<AssetPath<'static>, LoadError> {
+pub(super) fn mesh_path(recipe: &AssetPath<'static>, mesh: &str) -> Result<AssetPath<'static>, LoadError> {
     let path = recipe.resolve_embed_str(mesh).map_err(|source| LoadError::MeshPath {
         path: mesh.into(),
         source,
@@ -137,7 +197,7 @@ fn mesh_path(recipe: &AssetPath<'static>, mesh: &str) -> Result<AssetPath<'stati
 }
 
 /// The asset path of a file that a mesh refers to. `file` is relative and normalised.
-fn path_beside(mesh: &AssetPath<'static>, file: &str) -> Result<AssetPath<'static>, LoadError> {
+pub(super) fn path_beside(mesh: &AssetPath<'static>, file: &str) -> Result<AssetPath<'static>, LoadError> {
     let mut path = mesh.path().to_path_buf();
     path.pop();
     for part in file.split('/') {
@@ -154,7 +214,7 @@ fn path_beside(mesh: &AssetPath<'static>, file: &str) -> Result<AssetPath<'stati
 }
 
 /// Reads another file and makes it a dependency of the loaded one.
-async fn read_file(context: &mut LoadContext<'_>, path: &AssetPath<'static>) -> Result<Vec<u8>, LoadError> {
+pub(super) async fn read_file(context: &mut LoadContext<'_>, path: &AssetPath<'static>) -> Result<Vec<u8>, LoadError> {
     context
         .read_asset_bytes(path)
         .await

@@ -9,6 +9,7 @@ pub mod loader;
 #[cfg(feature = "bevy_mesh")]
 pub(crate) mod mesh_bakes;
 pub mod processor;
+mod stale;
 
 pub use error::LoadError;
 pub use loader::{CollisionMeshLoader, CollisionMeshSettings};

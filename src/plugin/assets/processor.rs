@@ -27,7 +27,7 @@
 //! )
 //! ```
 
-use super::hot_reload;
+use super::hot_reload::{self, Bake};
 use super::jobs::on_compute_pool;
 use super::loader::{CollisionMeshLoader, CollisionMeshSettings};
 use crate::asset::MeshPart;
@@ -44,8 +44,8 @@ use serde::{Deserialize, Serialize};
 /// Bakes `.bake.ron` files; see the [module](self).
 #[derive(TypePath)]
 pub struct CollisionMeshProcessor {
-    /// Reports baked meshes to the app.
-    baked: Sender<(AssetPath<'static>, CollisionMesh)>,
+    /// Reports bakes to the app.
+    baked: Sender<(AssetPath<'static>, Bake)>,
 }
 
 /// Settings for processing a recipe.
@@ -92,7 +92,7 @@ impl Process for CollisionMeshProcessor {
             .ok_or(ProcessError::WrongMetaType)?;
         let path = context.path().clone();
         // The receiver is gone when the app has ended.
-        let _ = self.baked.try_send((path.clone(), mesh.clone()));
+        let _ = self.baked.try_send((path.clone(), Bake::of(&mesh)));
         let failed = |error: std::io::Error| ProcessError::AssetWriterError {
             path,
             err: AssetWriterError::Io(error),

@@ -40,6 +40,10 @@
 //! (mesh: "machine.glb", part: (mesh: "Gear"), settings: (faces: true))
 //! ```
 //!
+//! Keep the recipe beside the baked file while you work on the scene. It tells what the file was baked from: if that has changed
+//! since, a warning names both and the mesh is baked anew. Without a recipe nothing tells, because a baked file may be
+//! another, simpler mesh on purpose.
+//!
 //! Other characters than letters, digits and `-` in both names become `_`: `Cube.001` of `house.v2.glb` has the recipe
 //! `house_v2_Cube_001.bake.ron`. No file is used for a mesh without a name, with [`ColliderSettings::bake`], for a part of
 //! a mesh, or if Bevy's loader has turned the mesh (`GltfConvertCoordinates::rotate_meshes`).

@@ -38,7 +38,7 @@ impl Tables {
         }
         let name = name();
         warn!(
-            "the mesh {name} has no table of faces of collision; one is baked in the background, and until it is ready \
+            "the mesh {name} has no face table; one is baked in the background, and until it is ready \
              its bodies use Culling::Exact. To have it from the start, set `faces: true` in the mesh's BakeSettings"
         );
         let settings = BakeSettings {
@@ -93,12 +93,12 @@ impl Entry {
         };
         match check_ready(bake.get()) {
             Some(Ok(mesh)) => {
-                info!("the table of faces of collision of the mesh {} is baked", self.name);
+                info!("the face table of the mesh {} is baked", self.name);
                 self.state = State::Baked(mesh);
             }
             Some(Err(error)) => {
                 error!(
-                    "the mesh {} continues with Culling::Exact: its table of faces of collision could not be baked: \
+                    "the mesh {} continues with Culling::Exact: its face table could not be baked: \
                      {error}",
                     self.name
                 );

@@ -13,7 +13,7 @@ const DEPTH: f32 = 0.1;
 /// Radial clearance of the nut: more than twice the gap that resting bodies keep, or both flanks would jam.
 const CLEARANCE: f32 = 0.06;
 /// Advance per turn, metres.
-const PITCH: f32 = 0.4;
+pub const PITCH: f32 = 0.4;
 /// Segments per turn.
 const AROUND: usize = 40;
 /// Rows of vertices per pitch.

@@ -35,7 +35,7 @@ fn active(sim: &Sim) -> ActiveBackend {
 fn auto(gpu: &Gpu) {
     let taken = active(&app(Backend::Auto));
     match (gpu.info.device_type, &taken) {
-        // Nobody looks for adapters where there is no card.
+        // Nobody looks for adapters where there is no GPU.
         (DeviceType::Cpu, ActiveBackend::Cpu { reason, .. }) => {
             assert!(
                 reason.contains(&gpu.info.name) || *reason == NoGpu::NoCard.to_string(),

@@ -17,12 +17,13 @@ pub const TESTS: &[Test] = &[
     ("what_has_moved_by_itself_is_moved_by_its_transform", is_driven_again),
     ("a_nested_body_returns_where_it_left", nested_returns),
     ("a_compound_that_becomes_static_stays_in_place", becomes_static),
+    ("a_static_body_that_gains_colliders_stays_where_it_is_put", static_gains),
     ("collisions_on_their_way_are_told_when_hooks_appear", hooks_appear),
     ("a_platform_that_stops_as_hooks_appear_stays", stops_for_hooks),
     ("a_collider_takes_no_body_along_to_another", turret),
 ];
 
-const READINGS: [Readback; 3] = [Readback::Lockstep, Readback::Latent, Readback::Resident];
+const READBACKS: [Readback; 3] = [Readback::Lockstep, Readback::Latent, Readback::Resident];
 
 fn with_contacts(readback: Readback) -> Sim {
     let mut sim = app(Backend::Gpu, readback);
@@ -64,7 +65,7 @@ fn stop_between(sim: &mut Sim, platform: Entity, there: Vec3) -> [Entity; 2] {
 }
 
 fn stops(_: &Gpu) {
-    for readback in READINGS {
+    for readback in READBACKS {
         let mut sim = with_contacts(readback);
         sim.app.insert_resource(Gravity::default());
         let platform = platform(&mut sim, Vec3::X * 5.0);
@@ -117,7 +118,7 @@ fn stops_for_hooks(_: &Gpu) {
 
 /// A platform of which components no longer say where it is, because it had a velocity or was dynamic.
 fn is_driven_again(_: &Gpu) {
-    for (readback, kind) in READINGS
+    for (readback, kind) in READBACKS
         .into_iter()
         .flat_map(|readback| [RigidBody::Kinematic, RigidBody::Dynamic].map(|kind| (readback, kind)))
     {
@@ -148,7 +149,7 @@ fn is_driven_again(_: &Gpu) {
 }
 
 fn nested_returns(_: &Gpu) {
-    for readback in READINGS {
+    for readback in READBACKS {
         let mut sim = app(Backend::Gpu, readback);
         let torus = sim.mesh(&shapes::torus_240());
         let turned = Transform::from_xyz(3.0, 0.0, 1.0).with_rotation(Quat::from_rotation_y(1.0));
@@ -220,6 +221,61 @@ fn becomes_static(_: &Gpu) {
     }
 }
 
+/// A static body that gets a collider below it, and one more while it is moved; then a body below it.
+fn static_gains(_: &Gpu) {
+    for readback in [Readback::Latent, Readback::Resident] {
+        let mut sim = app(Backend::Gpu, readback);
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let at = Transform::from_xyz(3.0, 0.0, 1.0).with_rotation(Quat::from_rotation_y(0.5));
+        let wall = sim.spawn((RigidBody::Static, cube.clone(), at));
+        let flier = sim.spawn(ball_like(&cube, Vec3::Y * 9.0, Vec3::X));
+        sim.step(8);
+        let below = Transform::from_xyz(0.0, 4.0, 0.0);
+        let first = sim.spawn((cube.clone(), below, ChildOf(wall)));
+        let check = |sim: &Sim, places: &[(Entity, Vec3)]| {
+            for &(collider, wanted) in places {
+                let found = on_device(sim, collider);
+                assert!(
+                    found.distance(wanted) < 1.0e-4,
+                    "{readback:?}, {collider}: {found} and not {wanted}"
+                );
+            }
+        };
+        for _ in 0..5 {
+            sim.step(1);
+            check(
+                &sim,
+                &[(wall, at.translation), (first, at.transform_point(below.translation))],
+            );
+        }
+        let there = at.with_translation(Vec3::new(-2.0, 1.0, 0.0));
+        sim.world().get_mut::<Transform>(wall).unwrap().translation = there.translation;
+        let beside = Transform::from_xyz(0.0, 0.0, 5.0);
+        let second = sim.spawn((cube.clone(), beside, ChildOf(wall)));
+        for _ in 0..5 {
+            sim.step(1);
+            check(
+                &sim,
+                &[
+                    (wall, there.translation),
+                    (first, there.transform_point(below.translation)),
+                    (second, there.transform_point(beside.translation)),
+                ],
+            );
+        }
+        let behind = Transform::from_xyz(0.0, 0.0, -5.0);
+        let body = sim.spawn((ball_like(&cube, behind.translation, Vec3::Y), ChildOf(wall)));
+        for step in 1..6 {
+            sim.step(1);
+            let moved = there.transform_point(behind.translation) + Vec3::Y * step as f32 * DT;
+            check(&sim, &[(wall, there.translation), (body, moved)]);
+        }
+        let flown = Vec3::new(23.0 * DT, 9.0, 0.0);
+        assert_near(motion(&mut sim, flier).position, flown, 1.0e-4);
+        assert_near(sim.position(wall), there.translation, 0.0);
+    }
+}
+
 /// A body passes a thin sensor within the last step that is on its way.
 fn hooks_appear(_: &Gpu) {
     for readback in [Readback::Lockstep, Readback::Latent] {
@@ -243,7 +299,10 @@ fn hooks_appear(_: &Gpu) {
 
 /// Of two vehicles, each of two colliders, one takes over a collider of the other, which comes first in its own then.
 fn turret(_: &Gpu) {
-    for (readback, giver) in READINGS.into_iter().flat_map(|readback| [(readback, 0), (readback, 1)]) {
+    for (readback, giver) in READBACKS
+        .into_iter()
+        .flat_map(|readback| [(readback, 0), (readback, 1)])
+    {
         let mut sim = with_contacts(readback);
         let cube = sim.mesh(&shapes::cube(1.0));
         let mut vehicle = |x: f32| {

@@ -3,7 +3,9 @@
 pub mod backend;
 pub mod bytes;
 pub mod changes;
+pub mod clock;
 pub mod drawn;
+pub mod every_readback;
 pub mod fast_bodies;
 pub mod readback;
 pub mod soak;

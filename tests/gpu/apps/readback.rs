@@ -5,7 +5,7 @@ use crate::app::{STEP, Sim, ball_like, resting};
 use crate::gpu::Test;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_faceoff::geometry::{TriMesh, shapes};
+use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::layout::{Body as DeviceBody, Moved};
 use bevy_faceoff::gpu::readback::read_words;
@@ -19,23 +19,9 @@ pub const TESTS: &[Test] = &[
     ("bodies_and_meshes_come_and_go_in_flight", churn),
     ("a_body_that_leaves_and_returns_gets_no_old_result", returns),
     ("a_lost_device_loses_no_body", lost),
-    ("nothing_moves_until_the_kernels_are_compiled", ready),
     ("resident_bodies_move_on_the_gpu_alone", resident),
-    (
-        "contacts_are_the_same_wherever_components_say_bodies_are",
-        same_contacts,
-    ),
-    ("impacts_are_the_same_whenever_results_are_read", same_impacts),
-    ("a_kinematic_body_is_as_fast_in_every_reading", kinematic_speed),
     ("a_snapshot_brings_everything_back", snapshots),
-    ("a_step_by_hand_is_waited_for", by_hand),
-    ("who_steps_by_hand_alone_gets_the_device_too", ready_by_hand),
-    ("a_paused_clock_publishes_what_is_on_its_way", paused),
-    ("a_clock_without_speed_publishes_what_is_on_its_way", stopped),
     ("poses_after_a_snapshot_are_those_of_the_bodies_told", restored_poses),
-    ("all_is_published_while_time_stands_still", virtual_paused),
-    ("sleepers_are_counted_on_the_gpu_alone", sleepers),
-    ("what_lies_on_a_kinematic_body_sleeps", on_a_slab),
 ];
 
 /// An app whose clock stands still until the device is ready.
@@ -65,12 +51,12 @@ pub fn await_device(sim: &mut Sim) {
     }
 }
 
-fn active(sim: &Sim) -> &'static str {
+pub fn active(sim: &Sim) -> &'static str {
     sim.app.world().resource::<ActiveBackend>().name()
 }
 
 /// The same app twice: on a GPU that is waited for, and on one that is not.
-fn both() -> [Sim; 2] {
+pub fn both() -> [Sim; 2] {
     [Readback::Lockstep, Readback::Latent].map(|readback| app(Backend::Gpu, readback))
 }
 
@@ -96,9 +82,9 @@ fn crowd(sim: &mut Sim, count: usize, size: f32) -> Vec<Entity> {
         .collect()
 }
 
-type Pose = (Entity, Transform, LinearVelocity, AngularVelocity);
+pub type Pose = (Entity, Transform, LinearVelocity, AngularVelocity);
 
-fn poses(sim: &mut Sim) -> Vec<Pose> {
+pub fn poses(sim: &mut Sim) -> Vec<Pose> {
     let world = sim.world();
     let mut query = world.query_filtered::<(Entity, &Transform, &LinearVelocity, &AngularVelocity), With<RigidBody>>();
     let mut poses: Vec<_> = query.iter(world).map(|(e, t, v, w)| (e, *t, *v, *w)).collect();
@@ -324,30 +310,6 @@ fn lost(_: &Gpu) {
     assert_eq!(sim.position(body).x, start + 8.0 / 64.0);
 }
 
-fn ready(_: &Gpu) {
-    let mut sim = opening(Backend::Gpu, Readback::Latent);
-    let torus = sim.mesh(&shapes::torus_240());
-    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
-    assert_eq!(active(&sim), "opening");
-    let mut told = Vec::new();
-    for _ in 0..3000 {
-        sim.step(1);
-        told.extend(sim.world().resource_mut::<Messages<BackendReady>>().drain());
-        if !told.is_empty() {
-            break;
-        }
-        assert_eq!(sim.position(body), Vec3::ZERO);
-        assert_eq!(sim.report().step, 0);
-        std::thread::sleep(STEP);
-    }
-    // The first step ran in the update that told.
-    sim.step(LATENCY);
-    assert_eq!(sim.position(body).x, 1.0 / 64.0);
-    told.extend(sim.world().resource_mut::<Messages<BackendReady>>().drain());
-    assert_eq!(told.len(), 1);
-    assert_eq!(told[0].active, *sim.app.world().resource::<ActiveBackend>());
-}
-
 fn resident(_: &Gpu) {
     let [mut waits, mut sim] = [Readback::Lockstep, Readback::Resident].map(|readback| app(Backend::Gpu, readback));
     let [one, other] = [&mut waits, &mut sim].map(|sim| crowd(sim, 40, 3.0));
@@ -441,111 +403,6 @@ fn snapshots(_: &Gpu) {
     }
 }
 
-/// A body that flies along x, a metre a step.
-fn flyer(readback: Readback) -> (Sim, Entity) {
-    let mut sim = app(Backend::Gpu, readback);
-    let torus = sim.mesh(&shapes::torus_240());
-    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
-    (sim, body)
-}
-
-/// Where the body is after the last step, whether its components say so or not.
-fn reached(sim: &mut Sim, body: Entity) -> f32 {
-    let snapshot = Snapshot::take(sim.world());
-    let (_, motion) = snapshot.bodies().find(|&(entity, _)| entity == body).unwrap();
-    motion.position.x
-}
-
-fn by_hand(_: &Gpu) {
-    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
-        let (mut sim, body) = flyer(readback);
-        sim.step(5);
-        sim.world().resource_mut::<Time<Virtual>>().pause();
-        for steps in 6..9 {
-            sim.world().run_schedule(FaceoffStep);
-            assert_eq!(reached(&mut sim, body), steps as f32, "{readback:?}");
-            assert_eq!(sim.report().in_flight, 0, "{readback:?}");
-            if readback != Readback::Resident {
-                assert_eq!(sim.position(body).x, steps as f32, "{readback:?}");
-            }
-        }
-        sim.world().resource_mut::<Time<Virtual>>().unpause();
-        sim.step(LATENCY + 1);
-        assert_eq!(reached(&mut sim, body), (8 + LATENCY + 1) as f32, "{readback:?}");
-    }
-}
-
-fn ready_by_hand(_: &Gpu) {
-    let mut sim = opening(Backend::Gpu, Readback::Latent);
-    let torus = sim.mesh(&shapes::torus_240());
-    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
-    for _ in 0..3000 {
-        sim.world().run_schedule(FaceoffStep);
-        if active(&sim) != "opening" {
-            break;
-        }
-        assert_eq!((sim.position(body).x, sim.report().step), (0.0, 0));
-        std::thread::sleep(STEP);
-    }
-    assert_eq!(active(&sim), "gpu");
-    assert_eq!((sim.position(body).x, sim.report().step), (1.0, 1));
-    assert_eq!(sim.world().resource::<Time<Physics>>().elapsed(), STEP);
-    assert_eq!(sim.world().resource_mut::<Messages<BackendReady>>().drain().count(), 1);
-}
-
-fn paused(_: &Gpu) {
-    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
-        let is_resident = readback == Readback::Resident;
-        let (mut sim, body) = flyer(readback);
-        let zone = sim.mesh(&shapes::cube(0.5));
-        // Entered as the fifth step begins.
-        sim.spawn((zone, Transform::from_xyz(4.6, 0.0, 0.0), Sensor));
-        sim.step(5);
-        sim.world().resource_mut::<Time<Physics>>().pause();
-        sim.step(1);
-        assert_eq!(sim.report().in_flight, 0, "{readback:?}");
-        let steps = sim.report().step;
-        assert_eq!(sim.started.len(), usize::from(!is_resident), "{readback:?}");
-        let shown = |sim: &Sim| if is_resident { None } else { Some(sim.position(body).x) };
-        let wanted = |x: f32| Some(x).filter(|_| !is_resident);
-        assert_eq!(shown(&sim), wanted(5.0), "{readback:?}");
-        sim.step(3);
-        assert_eq!(sim.report().step, steps, "{readback:?}");
-
-        // What waits for the clock is not used up.
-        let push = ExternalForces {
-            impulse: Vec3::Y,
-            ..default()
-        };
-        sim.set(body, push);
-        sim.step(2);
-        assert_eq!(sim.get::<ExternalForces>(body), push);
-        sim.world().resource_mut::<Time<Physics>>().step_once();
-        sim.step(2);
-        assert_eq!(sim.get::<ExternalForces>(body), ExternalForces::default());
-        assert_eq!(shown(&sim), wanted(6.0), "{readback:?}");
-        assert_eq!(reached(&mut sim, body), 6.0, "{readback:?}");
-        assert_eq!(sim.report().in_flight, 0);
-
-        let mut time = sim.world().resource_mut::<Time<Physics>>();
-        time.unpause();
-        time.set_relative_speed(0.5);
-        sim.step(4);
-        assert_eq!(reached(&mut sim, body), 8.0, "{readback:?}");
-    }
-}
-
-fn stopped(_: &Gpu) {
-    for readback in [Readback::Lockstep, Readback::Latent] {
-        let (mut sim, body) = flyer(readback);
-        sim.step(5);
-        sim.world().resource_mut::<Time<Physics>>().set_relative_speed(0.0);
-        sim.step(1);
-        assert_eq!(sim.report().in_flight, 0, "{readback:?}");
-        assert_eq!(sim.position(body).x, 5.0, "{readback:?}");
-    }
-}
-
 fn restored_poses(_: &Gpu) {
     let mut sim = app(Backend::Gpu, Readback::Resident);
     crowd(&mut sim, 5, 3.0);
@@ -561,176 +418,4 @@ fn restored_poses(_: &Gpu) {
     assert_eq!(bodies, entities);
     sim.step(1);
     assert_eq!(counts(&sim), (5, 5));
-}
-
-fn virtual_paused(_: &Gpu) {
-    for response in [Response::Impulse, Response::Contacts] {
-        let mut sims = both();
-        let bodies = sims.each_mut().map(|sim| {
-            sim.app.insert_resource(response);
-            let torus = sim.mesh(&shapes::torus_240());
-            // They begin to touch in the fifth step.
-            let x = 1.5 + 4.5 / 64.0;
-            sim.spawn((torus.clone(), RigidBody::Static));
-            sim.spawn(ball_like(&torus, Vec3::X * x, Vec3::NEG_X))
-        });
-        assert_eq!(bodies[0], bodies[1]);
-        let [waits, latent] = &mut sims;
-        waits.step(6);
-        latent.step(6);
-        assert_eq!(latent.report().in_flight, LATENCY);
-        let published = latent.report().step;
-        latent.world().resource_mut::<Time<Virtual>>().pause();
-        // What is said while time stands still is not lost.
-        let acting = ExternalForces {
-            impulse: Vec3::Y,
-            ..default()
-        };
-        latent.set(bodies[1], acting);
-        latent.step(LATENCY + 3);
-        assert_eq!(latent.report().step, published + LATENCY as u64, "{response:?}");
-        assert_eq!(latent.report().in_flight, 0);
-        assert_eq!(latent.started, waits.started);
-        assert_eq!(poses(latent), poses(waits));
-        assert_eq!(latent.get::<ExternalForces>(bodies[1]).impulse, Vec3::Y);
-
-        latent.world().resource_mut::<Time<Virtual>>().unpause();
-        latent.set(bodies[1], ExternalForces::default());
-        waits.step(6);
-        latent.step(6 + LATENCY);
-        assert_eq!(poses(latent), poses(waits), "{response:?}");
-        assert_eq!(latent.started, waits.started);
-        assert_eq!(latent.ended, waits.ended);
-    }
-}
-
-fn sleepers(_: &Gpu) {
-    let mut sim = app(Backend::Gpu, Readback::Resident);
-    sim.app
-        .insert_resource(Response::Contacts)
-        .insert_resource(Gravity::default());
-    let cube = sim.mesh(&shapes::cube(1.0));
-    sim.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
-    let bodies = [0.0, 5.0, 10.0].map(|x| sim.spawn(resting(&cube, Vec3::new(x, 0.505, 0.0))));
-    sim.step(128);
-    assert_eq!(sim.report().sleeping, 3);
-    sim.set(bodies[1], Sleeping(false));
-    sim.step(1 + LATENCY);
-    assert_eq!(sim.report().sleeping, 2);
-    sim.step(128);
-    assert_eq!(sim.report().sleeping, 3);
-}
-
-/// The slab's centre of mass is not at its origin, so that the device places it with a rounding error.
-fn on_a_slab(_: &Gpu) {
-    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
-        let mut sim = app(Backend::Gpu, readback);
-        sim.app
-            .insert_resource(Response::Contacts)
-            .insert_resource(Gravity::default());
-        let (shape, center) = (shapes::cube(1.0), Vec3::new(0.37, 0.0, 0.21));
-        let vertices = shape.vertices().iter().map(|&v| v + center).collect();
-        let [cube, slab] = [
-            sim.mesh(&shape),
-            sim.mesh(&TriMesh::new(vertices, shape.triangles().to_vec()).unwrap()),
-        ];
-        let place = Transform::from_xyz(1.3, 0.0, -0.7)
-            .with_rotation(Quat::from_rotation_y(0.4))
-            .with_scale(Vec3::new(6.1, 1.0, 6.1));
-        sim.spawn((RigidBody::Kinematic, slab, place));
-        sim.spawn(resting(&cube, place.transform_point(center) + Vec3::Y * 1.01));
-        sim.step(128);
-        assert_eq!(sim.report().sleeping, 1, "{readback:?}");
-    }
-}
-
-/// A step of the same world in three readings, after which all bodies are at the same places.
-fn step_alike(worlds: &mut [Sim; 3], step: u32) {
-    let [wanted, latent, resident] = worlds.each_mut().map(|sim| {
-        sim.step(1);
-        let snapshot = Snapshot::take(sim.world());
-        snapshot
-            .bodies()
-            .map(|(entity, motion)| (entity, *motion))
-            .collect::<Vec<_>>()
-    });
-    assert_eq!(latent, wanted, "latent, step {step}");
-    assert_eq!(resident, wanted, "resident, step {step}");
-}
-
-/// Cubes fall from one place, far from where they end, in three readings.
-fn same_contacts(_: &Gpu) {
-    let mut worlds = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
-        let mut sim = app(Backend::Gpu, readback);
-        sim.app
-            .insert_resource(Response::Contacts)
-            .insert_resource(Gravity::default());
-        let cube = sim.mesh(&shapes::cube(0.5));
-        sim.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
-        for i in 0..6 {
-            let place = Vec3::new(0.07 * i as f32, 0.3 + 0.6 * i as f32, 40.0);
-            let body = sim.spawn(resting(&cube, place));
-            sim.set(body, AngularVelocity(Vec3::new(0.3, 0.1 * i as f32, 0.2)));
-        }
-        sim
-    });
-    for step in 0..60 {
-        step_alike(&mut worlds, step);
-    }
-}
-
-/// Balls hit thin plates that stand on a floor, so that the number of collision substeps changes often. Where results come
-/// later, steps are recorded for other numbers, and repeated at other times.
-fn same_impacts(_: &Gpu) {
-    let mut worlds = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
-        let mut sim = app(Backend::Gpu, readback);
-        sim.app
-            .insert_resource(Response::Contacts)
-            .insert_resource(Gravity::default());
-        sim.spawn(PlaneCollider::through(Vec3::Y * -0.5, Vec3::Y));
-        let (ball, cube) = (sim.mesh(&shapes::ball(0.1, 2)), sim.mesh(&shapes::cube(1.0)));
-        for i in 0..5 {
-            let plate = sim.spawn(resting(&cube, Vec3::X * 3.0 * i as f32));
-            sim.set(
-                plate,
-                Transform::from_xyz(3.0 * i as f32, 0.0, 0.0).with_scale(Vec3::new(0.06, 1.0, 1.0)),
-            );
-            let flier = sim.spawn(resting(&ball, Vec3::new(-1.5 - 4.0 * i as f32, 0.1 * i as f32, 0.0)));
-            sim.set(flier, LinearVelocity(Vec3::X * (40.0 - 9.0 * i as f32)));
-        }
-        sim
-    });
-    let mut counts = Vec::new();
-    let mut submissions = [0; 3];
-    for step in 0..50 {
-        step_alike(&mut worlds, step);
-        counts.push(worlds[0].report().collision_substeps);
-        for (sum, sim) in submissions.iter_mut().zip(&worlds) {
-            *sum += sim.report().gpu.map_or(0, |work| work.submissions);
-        }
-    }
-    counts.dedup();
-    println!("{counts:?} collision substeps, {submissions:?} submissions");
-    assert!(counts.len() > 4, "{counts:?}");
-    assert!(submissions.iter().all(|&sum| sum > 50), "some steps were repeated");
-}
-
-/// The number of collision substeps follows from the speeds of bodies, whenever results are read.
-fn kinematic_speed(_: &Gpu) {
-    let collision_substeps = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
-        let mut sim = app(Backend::Gpu, readback);
-        sim.app.insert_resource(Response::Contacts);
-        let cube = sim.mesh(&shapes::cube(0.2));
-        sim.spawn(resting(&cube, Vec3::ZERO));
-        // So near that a corner of each would reach it.
-        sim.spawn(PlaneCollider::through(Vec3::Y * -0.12, Vec3::Y));
-        for k in 1..4 {
-            let body = sim.spawn(resting(&cube, Vec3::Z * 2.0 * k as f32));
-            sim.set(body, (RigidBody::Kinematic, LinearVelocity(Vec3::X * 10.0)));
-        }
-        sim.step(8);
-        sim.report().collision_substeps
-    });
-    // 10 m/s are 0.16 m a step, a quarter of the thickness is 0.05 m.
-    assert_eq!(collision_substeps, [4; 3]);
 }

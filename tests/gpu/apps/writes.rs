@@ -10,7 +10,7 @@ use bevy_faceoff::prelude::*;
 use bevy_faceoff::state::Motion;
 
 pub const TESTS: &[Test] = &[
-    ("every_write_means_the_same_in_every_reading", table),
+    ("every_write_means_the_same_in_every_readback", table),
     ("every_write_means_the_same_among_contacts", table_with_contacts),
     ("what_is_held_by_changes_does_not_creep", held_by_changes),
 ];

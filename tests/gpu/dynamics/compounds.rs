@@ -173,11 +173,11 @@ pub fn pile() {
         );
         (mean, lowest(world), fastest, world.deepest())
     });
-    assert!((cpu.0 - gpu.0).abs() < 0.3 * cpu.0, "the pile is as high");
+    assert!((cpu.0 - gpu.0).abs() < 0.1 * cpu.0, "the pile is as high");
     for side in [cpu, gpu] {
         assert!(side.1 > -0.005, "nothing sinks into the floor");
-        assert!(side.2 < 0.3, "it comes to rest");
-        assert!(side.3 < 0.02, "little overlap");
+        assert!(side.2 < 0.005, "it comes to rest: {} m/s", side.2);
+        assert!(side.3 < 0.001, "hardly any overlap: {} m", side.3);
     }
 }
 
@@ -208,7 +208,7 @@ pub fn impulses() {
     }
     println!("{most:?} apart; spins changed by {changed}");
     assert!(changed > 10.0);
-    assert!(most.0 < 1.0e-3 && most.1 < 5.0e-2, "{most:?}");
+    assert!(most.0 < 1.0e-5 && most.1 < 1.0e-3, "{most:?}");
 }
 
 /// Without response: which spheres overlap, and the points, measured from the centres of mass of the bodies.
@@ -219,6 +219,7 @@ pub fn points() {
         world
     });
     let (mut deep, mut same, mut spheres, mut missed) = (0, 0, 0, 0);
+    let (mut places, mut farthest) = (0, 0.0f32);
     for _ in 0..30 {
         worlds.iter_mut().for_each(World::step);
         let [cpu, gpu] = worlds.each_ref().map(|world| &world.state.results);
@@ -251,12 +252,15 @@ pub fn points() {
             contacts.points.iter().map(|point| point.point).collect::<Vec<_>>()
         };
         let (of_cpu, of_gpu) = (centers(&worlds[0]), centers(&worlds[1]));
-        let near = |p: &Vec3, all: &[Vec3]| all.iter().any(|q| q.distance(*p) < 0.3);
-        assert!(of_gpu.iter().all(|p| near(p, &of_cpu)), "a point in the wrong place");
+        let nearest = |p: &Vec3| of_cpu.iter().map(|q| q.distance(*p)).fold(f32::MAX, f32::min);
+        places += of_gpu.len();
+        farthest = of_gpu.iter().map(nearest).fold(farthest, f32::max);
         synchronise(&mut worlds);
     }
     println!("{same} of {deep} points are the same; {missed} of {spheres} spheres on one side only");
-    assert!(deep > 100 && 2 * same > deep, "{same} of {deep}");
+    println!("{places} points, at most {farthest:.1e} m from one of the CPU");
+    assert!(places > 100 && farthest < 1.0e-4, "a point in the wrong place");
+    assert!(deep > 100 && 10 * same > 9 * deep, "{same} of {deep}");
     assert!(spheres > 500 && missed <= spheres / 1000);
 }
 

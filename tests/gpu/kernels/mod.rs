@@ -1,4 +1,4 @@
-//! What graphics APIs other than the one at hand ask of kernels. Needs no graphics card.
+//! What graphics APIs other than the one at hand ask of kernels. Needs no GPU.
 
 #[cfg(feature = "cli")]
 mod languages;

@@ -36,7 +36,7 @@ fn settled(step: &mut GpuStep, scene: &Scene) -> StepState {
     state
 }
 
-/// Below 4,096 bodies, with one collision substep: these many are the aim, because each dispatch costs a card some
+/// Below 4,096 bodies, with one collision substep: these many are the aim, because each dispatch costs a GPU some
 /// microseconds.
 pub fn small_worlds_take_few_dispatches(gpu: &Gpu) {
     let mut step = GpuStep::new(gpu.clone()).unwrap();

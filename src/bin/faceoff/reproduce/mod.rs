@@ -244,7 +244,7 @@ pub fn run(options: &Options) -> Outcome {
         match devices.iter().find_map(|device| device.world.adapter()) {
             Some(name) if is_software(&name) => {
                 format!(
-                    "{name}. This is a software driver that computes on the CPU; its times say nothing about a graphics card."
+                    "{name}. This is a software driver that computes on the CPU; its times say nothing about a GPU."
                 )
             }
             Some(name) => name,
