@@ -27,7 +27,12 @@ fn below(
     let Some((level, lower)) = levels.split_last() else {
         return found(group as u32);
     };
-    bits(survivors(&level[group])).all(|lane| below(lower, 8 * group + lane, survivors, found))
+    for lane in bits(survivors(&level[group])) {
+        if !below(lower, 8 * group + lane, survivors, found) {
+            return false;
+        }
+    }
+    true
 }
 
 /// A node that [`visit_nearest`] has yet to visit.
