@@ -92,7 +92,7 @@ pub struct Frame {
 }
 
 /// With this acceleration a body reaches the largest speed in a thousandth of a second, m/s².
-const MAX_ACCELERATION: f32 = 1000.0 * MAX_SPEED;
+pub(crate) const MAX_ACCELERATION: f32 = 1000.0 * MAX_SPEED;
 
 impl Bodies {
     /// Number of colliders.
