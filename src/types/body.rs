@@ -193,6 +193,16 @@ impl ExternalForces {
         (self.force * inverse_mass, norm * self.torque.length())
     }
 
+    /// The forces that change velocities within a second as the impulses do at once.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn in_a_second(&self) -> Self {
+        Self {
+            force: self.impulse,
+            torque: self.angular_impulse,
+            ..Self::default()
+        }
+    }
+
     /// The same, but weaker where a force would accelerate the body by more than `most` m/s² or rad/s², or an impulse change its
     /// velocities by more than `most`. No speed can be as large, and products of larger numbers overflow.
     pub(crate) fn bounded(&self, inverse_mass: f32, inverse_inertia: &Mat3, most: f32) -> Self {
