@@ -89,13 +89,15 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     return result;
 }
 
-// Whether two bodies of one mesh coincide. The twin of `nudge` in `src/manifolds/cpu/side.rs`.
+// Whether two bodies of equal meshes coincide. The twin of `nudge` in `src/manifolds/cpu/side.rs`.
 fn same_place(a: t::Body, b: t::Body, world_offset: vec3<f32>) -> bool {
     let max_distance = SAME_PLACE * min(a.radius, b.radius);
     // Single precision resolves rotations to 3e-3 radians only; the CPU requires 1e-4.
     let rotation_difference = 1.0 - abs(dot(a.rotation, b.rotation));
     let near = dot(world_offset, world_offset) < max_distance * max_distance;
-    return a.mesh == b.mesh && all(a.scale == b.scale) && near && rotation_difference < 1.0e-6;
+    let equal = meshes[a.mesh].fingerprint_low == meshes[b.mesh].fingerprint_low
+        && meshes[a.mesh].fingerprint_high == meshes[b.mesh].fingerprint_high;
+    return equal && all(a.scale == b.scale) && near && rotation_difference < 1.0e-6;
 }
 
 // The power of two that scales a size to between 1 and 2.

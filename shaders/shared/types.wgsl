@@ -177,6 +177,11 @@ struct Mesh {
     caps: u32,
     box_half: vec3<f32>,
     cap_count: u32,
+    // Equal meshes have the same two numbers, and no others have.
+    fingerprint_low: u32,
+    fingerprint_high: u32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 // The sphere that a collider sweeps over in a step, with the part of its margin that does not depend on a direction.

@@ -65,14 +65,14 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     // A body that saved impulses or forces beyond all measure have thrown out of the numbers within this step. It has no
     // pairs; the next step rejects it.
     let is_sound = |i: usize| center[i].is_finite() && speculative_radius[i].is_finite();
-    members.extend((all.clone()).filter(|&i| !is_static(i as usize) && is_sound(i as usize)));
+    members.extend(all.clone().filter(|&i| !is_static(i as usize) && is_sound(i as usize)));
     moving_grid.fill(members, center, speculative_radius);
     if moving_grid.is_overfull() {
         moving_grid.fill(members, center, speculative_radius);
     }
     if !static_grid.holds(kind.len() - members.len(), is_static, center, speculative_radius) {
         members.clear();
-        members.extend(all.filter(|&i| is_static(i as usize)));
+        members.extend(all.clone().filter(|&i| is_static(i as usize)));
         for _ in 0..MAX_STATIC_FILLS {
             if !static_grid.fill(members, center, speculative_radius) {
                 break;
@@ -80,35 +80,28 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         }
     }
 
-    let (moving_grid, static_grid) = (&*moving_grid, &*static_grid);
     let tasks = moving_grid.ids.len().div_ceil(TASK);
-    let static_tasks = static_grid.ids.len().div_ceil(TASK);
-    if found.len() < tasks + static_tasks {
-        found.resize_with(tasks + static_tasks, Finder::default);
+    let all_tasks = tasks + static_grid.ids.len().div_ceil(TASK);
+    if found.len() < all_tasks {
+        found.resize_with(all_tasks, Finder::default);
     }
-    let found = &mut found[..tasks + static_tasks];
-    let mut search = |most: MostPairs| {
-        let total = AtomicUsize::new(0);
-        loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
-            let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
-            finder.begin(most);
-            if total.load(Ordering::Relaxed) > most.in_all {
-                return;
-            }
-            if task < tasks {
-                finder.moving_pairs(moving_grid, static_grid, range(task, moving_grid), bodies);
-            } else {
-                finder.static_pairs(static_grid, moving_grid, range(task - tasks, static_grid), bodies);
-            }
-            total.fetch_add(finder.found.len(), Ordering::Relaxed);
-        });
-        total.into_inner()
-    };
+    let found = &mut found[..all_tasks];
     let within_limit = |per_search| MostPairs {
         in_all: limit,
         per_search,
     };
-    if search(within_limit(usize::MAX)) > limit {
+    if search(bodies, [&*moving_grid, &*static_grid], found, within_limit(usize::MAX)) > limit {
+        // All pairs are the same in any order of the grids, but those of searches that end early are not.
+        for (grid, wants_static) in [(&mut *moving_grid, false), (&mut *static_grid, true)] {
+            if wants_static && grid.is_canonical() {
+                continue;
+            }
+            members.clear();
+            let is_member = |&i: &u32| is_static(i as usize) == wants_static && (wants_static || is_sound(i as usize));
+            members.extend(all.clone().filter(is_member));
+            grid.fill_canonically(members, center, speculative_radius);
+        }
+        let mut search = |most| search(bodies, [&*moving_grid, &*static_grid], found, most);
         let mut per_search = (limit / (SEARCHES * bodies.center.len())).max(1);
         // Bodies outside the crowd have few partners, and lose none of them once this is more.
         while search(within_limit(2 * per_search)) <= limit {
@@ -133,6 +126,26 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     loops::collect(sort.order().map(|at| unsorted[at as usize]), TASK, sphere_pairs);
     loops::sort_runs(sphere_pairs, |pair| pair[0]);
     Crowd::of(crowded)
+}
+
+/// Searches the grids of moving and of static bodies, and returns the number of pairs, or a number above the limit.
+fn search(bodies: &Bodies, [moving, still]: [&Grid; 2], found: &mut [Finder], most: MostPairs) -> usize {
+    let tasks = moving.ids.len().div_ceil(TASK);
+    let total = AtomicUsize::new(0);
+    loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
+        let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
+        finder.begin(most);
+        if total.load(Ordering::Relaxed) > most.in_all {
+            return;
+        }
+        if task < tasks {
+            finder.moving_pairs(moving, still, range(task, moving), bodies);
+        } else {
+            finder.static_pairs(still, moving, range(task - tasks, still), bodies);
+        }
+        total.fetch_add(finder.found.len(), Ordering::Relaxed);
+    });
+    total.into_inner()
 }
 
 /// Where a search for pairs ends early.

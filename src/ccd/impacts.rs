@@ -1,6 +1,7 @@
 //! The impacts of bodies with continuous collision detection in a collision substep, and how the bodies move after
 //! them.
 
+use super::motions::{Ground, Motion, Motions};
 use super::search::Outcome;
 use super::time_of_impact::{advance, rounded_down};
 use super::{Pose, Scratch, Sweep};
@@ -11,7 +12,8 @@ use crate::state::{Bodies, Plane};
 use crate::types::body::RigidBody;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::cmp::Ordering;
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
 
 /// Memory that is reused between collision substeps.
 #[derive(Default)]
@@ -24,8 +26,10 @@ pub struct ImpactScratch {
     /// The bodies of the pairs, ascending, and for each pair the places of its two in this list.
     members: Vec<u32>,
     places: Vec<[u32; 2]>,
+    pairs_of: PairsOf,
     /// The motion of each of them, once there is an impact.
-    motions: Vec<Motion>,
+    motions: Motions,
+    upcoming: BinaryHeap<Reverse<Upcoming>>,
     /// Numbers of the pairs whose time must be recomputed, and the new times.
     outdated: Vec<u32>,
     new_times: Vec<f64>,
@@ -42,22 +46,41 @@ pub struct Impact {
     pub end: Pose,
 }
 
-/// The motion of a body from some time on.
-#[derive(Clone, Copy)]
-struct Motion {
-    /// Number of the body.
-    body: u32,
-    /// Start of this motion, 0 to 1.
-    from: f64,
-    /// From then to the end of the collision substep.
-    sweep: Sweep,
-    /// Bodies of the same group move together. Its name is the place of the body that carries the others, if there is one,
-    /// otherwise the smallest place in it.
-    group: u32,
-    /// Time of its first impact, infinite if there is none.
-    first_impact: f64,
-    has_changed: bool,
+/// For each place in the list of bodies the numbers of its pairs.
+#[derive(Default)]
+struct PairsOf {
+    /// Where those of each place end, once all are there.
+    ends: Vec<u32>,
+    pairs: Vec<u32>,
 }
+
+/// The next impact of a pair. It is out of date if the time of the pair is another one by now.
+#[derive(Clone, Copy)]
+struct Upcoming {
+    time: f64,
+    pair: u32,
+}
+
+impl Ord for Upcoming {
+    /// Of pairs with the same time the first comes first.
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.time.total_cmp(&other.time).then(self.pair.cmp(&other.pair))
+    }
+}
+
+impl PartialOrd for Upcoming {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Upcoming {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Upcoming {}
 
 /// How often the target distance is halved for bodies that start within it. A body that was stopped before starts
 /// there, and contacts do not remove all of a bullet's speed at once: a sheet may be thinner than the rest of its
@@ -82,8 +105,9 @@ const MAX_HALVINGS: u32 = 12;
 /// missing entries count as not continuous. Only sweeps of bodies in `pairs` matter. Pairs are pairs of colliders, and
 /// bodies have the numbers of their first ones. `pairs` must include all pairs whose bounding spheres overlap anywhere on
 /// their paths. `target_distance` is how near each pair may come, metres. Bodies that are carried keep to their
-/// [`LockedAxes`](crate::types::body::LockedAxes), and are not carried into `planes`. Runs on rayon's current thread
-/// pool, outside of a pool on the calling thread; the same input gives the same bits with any number of threads.
+/// [`LockedAxes`](crate::types::body::LockedAxes), and are not carried into `planes`, except into those that they `pass`:
+/// these are numbered after the bodies. Runs on rayon's current thread pool, outside of a pool on the calling thread; the
+/// same input gives the same bits with any number of threads.
 ///
 /// Guarantee: no pair with a continuous body comes nearer than `target_distance`, except pairs whose bodies are
 /// squeezed or have `LockedAxes`. Limit: sweeps are straight, so a body that a contact deflects within the collision
@@ -92,6 +116,7 @@ pub fn find_impacts(
     bodies: &Bodies,
     meshes: &MeshArena,
     planes: &[Plane],
+    pass: impl Fn([u32; 2]) -> bool,
     sweeps: &[Sweep],
     continuous: &[bool],
     pairs: &[[u32; 2]],
@@ -105,7 +130,9 @@ pub fn find_impacts(
         ignored,
         members,
         places,
+        pairs_of,
         motions,
+        upcoming,
         outdated,
         new_times,
     } = scratch;
@@ -160,35 +187,34 @@ pub fn find_impacts(
         }
         bodies_of(pair).map(|body| members.partition_point(|&member| member < body) as u32)
     }));
-    motions.clear();
-    motions.extend((0..).zip(&*members).map(|(group, &body)| Motion {
+    pairs_of.fill(members.len(), places, |at| !ignored[at]);
+    motions.begin((0..).zip(&*members).map(|(group, &body)| Motion {
         body,
         from: 0.0,
         sweep: sweeps[body as usize],
         group,
         first_impact: f64::INFINITY,
-        has_changed: false,
     }));
+    let ground = Ground { bodies, planes, pass };
     let is_continuous = |member: u32| is_continuous(members[member as usize]);
-    // Of pairs with the same time the first comes first.
-    while let Some((at, &time)) = (times.iter().enumerate())
-        .filter(|(_, time)| **time < 1.0)
-        .min_by(|one, other| one.1.total_cmp(other.1))
-    {
+    upcoming.clear();
+    let within = (0..).zip(&*times).filter(|(_, time)| **time < 1.0);
+    upcoming.extend(within.map(|(pair, &time)| Reverse(Upcoming { time, pair })));
+    while let Some(Reverse(Upcoming { time, pair })) = upcoming.pop() {
+        let at = pair as usize;
+        if times[at].total_cmp(&time).is_ne() {
+            continue;
+        }
         times[at] = f64::INFINITY;
         let pair = places[at];
-        let groups = pair.map(|i| motions[i as usize].group);
+        let groups = pair.map(|i| motions.all[i as usize].group);
         if groups[0] == groups[1] {
             continue;
         }
         match groups.map(|group| !is_continuous(group)) {
-            [false, false] => merge_groups(bodies, planes, motions, groups, time),
-            [true, false] => carry(bodies, planes, motions, groups[0], time, |_, motion| {
-                motion.group == groups[1]
-            }),
-            [false, true] => carry(bodies, planes, motions, groups[1], time, |_, motion| {
-                motion.group == groups[0]
-            }),
+            [false, false] => motions.merge_groups(&ground, groups, time),
+            [true, false] => motions.carry_group(&ground, groups[0], time, groups[1]),
+            [false, true] => motions.carry_group(&ground, groups[1], time, groups[0]),
             [true, true] => {
                 let mobility = |group: u32| match bodies.kind[members[group as usize] as usize] {
                     RigidBody::Static => 0,
@@ -201,39 +227,37 @@ pub fn find_impacts(
                 let (yielding, carrier) = (pair[usize::from(last)], groups[usize::from(!last)]);
                 ignored[at] = true;
                 if is_continuous(yielding) && (one != other || pair.into_iter().all(is_continuous)) {
-                    let old_group = motions[yielding as usize].group;
-                    for (ignored, pair) in ignored.iter_mut().zip(&*places).filter(|(ignored, _)| !**ignored) {
-                        let others = pair.contains(&yielding)
-                            && pair
-                                .iter()
-                                .any(|&i| i != yielding && motions[i as usize].group == old_group);
-                        *ignored |= others;
+                    let old_group = motions.all[yielding as usize].group;
+                    for &at in pairs_of.of(yielding) {
+                        let mut others = places[at as usize].iter().filter(|&&i| i != yielding);
+                        ignored[at as usize] |= others.any(|&i| motions.all[i as usize].group == old_group);
                     }
-                    carry(bodies, planes, motions, carrier, time, |i, _| i == yielding);
+                    motions.carry(&ground, carrier, time, yielding);
                 }
             }
         }
         outdated.clear();
-        outdated.extend((0..pairs.len() as u32).filter(|&at| {
-            if ignored[at as usize] {
-                return false;
-            }
-            let [a, b] = places[at as usize].map(|i| i as usize);
-            (motions[a].has_changed || motions[b].has_changed) && motions[a].group != motions[b].group
-        }));
+        for place in motions.changed.drain(..) {
+            outdated.extend(pairs_of.of(place).iter().filter(|&&at| {
+                let [a, b] = places[at as usize].map(|i| motions.all[i as usize].group);
+                a != b && !ignored[at as usize]
+            }));
+        }
+        outdated.sort_unstable();
+        outdated.dedup();
         let next_times = outdated.par_iter().map(|&at| {
-            let [a, b] = places[at as usize].map(|i| motions[i as usize].after(time));
+            let [a, b] = places[at as usize].map(|i| motions.all[i as usize].after(time));
             time + (1.0 - time) * time_of_impact(pairs[at as usize], [&a, &b])
         });
         loops::collect(next_times, 1, new_times);
-        for (&at, &time) in outdated.iter().zip(&*new_times) {
-            times[at as usize] = time;
-        }
-        for motion in motions.iter_mut() {
-            motion.has_changed = false;
+        for (&pair, &time) in outdated.iter().zip(&*new_times) {
+            times[pair as usize] = time;
+            if time < 1.0 {
+                upcoming.push(Reverse(Upcoming { time, pair }));
+            }
         }
     }
-    let stopped = motions.iter().filter(|motion| motion.first_impact < 1.0);
+    let stopped = motions.all.iter().filter(|motion| motion.first_impact < 1.0);
     impacts.extend(stopped.map(|motion| Impact {
         body: motion.body,
         fraction: rounded_down(motion.first_impact),
@@ -241,124 +265,35 @@ pub fn find_impacts(
     }));
 }
 
-/// Merges two groups of continuous bodies, which move together from `time` on. Two groups of the same size get the mean
-/// of their velocities, weighted by mass. Otherwise the smaller group adopts the velocity of the larger one, so that in
-/// a heap the times of all members need not be recomputed for each body that joins.
-fn merge_groups(bodies: &Bodies, planes: &[Plane], motions: &mut [Motion], groups: [u32; 2], time: f64) {
-    let (mut momentum, mut mass) = ([DVec3::ZERO; 2], [0.0; 2]);
-    let mut members = [0, 0];
-    for motion in motions.iter() {
-        let inverse_mass = bodies.inverse_mass[motion.body as usize];
-        for side in 0..2 {
-            if motion.group == groups[side] {
-                // Bodies without a valid mass have equal weights.
-                let own = if inverse_mass > 0.0 {
-                    1.0 / f64::from(inverse_mass)
-                } else {
-                    1.0
-                };
-                momentum[side] += own * motion.after(time).travel;
-                mass[side] += own;
-                members[side] += 1;
+impl PairsOf {
+    /// Lists the pairs of `count` places that are `wanted`. `places` has the places of the bodies of each pair.
+    fn fill(&mut self, count: usize, places: &[[u32; 2]], wanted: impl Fn(usize) -> bool) {
+        let Self { ends, pairs } = self;
+        let all = || (0u32..).zip(places).filter(|(at, _)| wanted(*at as usize));
+        ends.clear();
+        ends.resize(count, 0);
+        for &place in all().flat_map(|(_, pair)| pair) {
+            ends[place as usize] += 1;
+        }
+        let mut sum = 0;
+        for end in ends.iter_mut() {
+            sum += std::mem::replace(end, sum);
+        }
+        pairs.clear();
+        pairs.resize(sum as usize, 0);
+        for (at, pair) in all() {
+            for &place in pair {
+                let end = &mut ends[place as usize];
+                pairs[*end as usize] = at;
+                *end += 1;
             }
         }
     }
-    let travel = match members[0].cmp(&members[1]) {
-        Ordering::Equal => (momentum[0] + momentum[1]) / (mass[0] + mass[1]),
-        Ordering::Greater => momentum[0] / mass[0],
-        Ordering::Less => momentum[1] / mass[1],
-    };
-    let mut common = travel;
-    for motion in motions.iter().filter(|motion| groups.contains(&motion.group)) {
-        common = limit_penetration(bodies, planes, motion.body as usize, &motion.after(time), common);
-    }
-    let group = groups[0].min(groups[1]);
-    for motion in motions.iter_mut() {
-        let Some(side) = groups.iter().position(|&group| group == motion.group) else {
-            continue;
-        };
-        if members[side] > members[1 - side] && common == travel {
-            motion.group = group;
-        } else {
-            let free = bodies.params[motion.body as usize].locked_axes.free_translation();
-            let free = free.as_dvec3();
-            motion.change(time, group, common * free, DVec3::ZERO);
-        }
-    }
-}
 
-/// Changes `travel` so that it moves body `i` no deeper into planes than its `own` motion does, which contacts
-/// have already limited.
-fn limit_penetration(bodies: &Bodies, planes: &[Plane], i: usize, own: &Sweep, mut travel: DVec3) -> DVec3 {
-    for plane in planes {
-        if plane.sensor || !bodies.layers[i].interacts_with(plane.layers) {
-            continue;
-        }
-        let normal = plane.normal.as_dvec3();
-        let height = normal.dot(own.before.center + travel) - f64::from(plane.distance);
-        let lowest = normal.dot(own.travel).min(0.0);
-        let radius = bodies
-            .compound_of(i as u32)
-            .map_or(bodies.radius[i], |body| body.radius);
-        if height < f64::from(radius) {
-            travel += normal * (lowest - normal.dot(travel)).max(0.0);
-        }
-    }
-    travel
-}
-
-/// From `time` on the selected bodies are carried by that at the place `carrier`, as if rigidly attached to it.
-fn carry(
-    bodies: &Bodies,
-    planes: &[Plane],
-    motions: &mut [Motion],
-    carrier: u32,
-    time: f64,
-    is_selected: impl Fn(u32, &Motion) -> bool,
-) {
-    let carrying = motions[carrier as usize].after(time);
-    let rotation = carrying.at(1.0).rotation * carrying.before.rotation.inverse();
-    for (i, motion) in (0..).zip(motions) {
-        if !is_selected(i, motion) {
-            continue;
-        }
-        let own = motion.after(time);
-        let offset = own.before.center - carrying.before.center;
-        // Exactly zero without rotation.
-        let rotation_travel = if carrying.turn == DVec3::ZERO {
-            DVec3::ZERO
-        } else {
-            rotation * offset - offset
-        };
-        let body = motion.body as usize;
-        let locked = bodies.params[body].locked_axes;
-        let travel = limit_penetration(bodies, planes, body, &own, carrying.travel + rotation_travel);
-        let travel = travel * locked.free_translation().as_dvec3();
-        motion.change(time, carrier, travel, carrying.turn * locked.free_rotation().as_dvec3());
-    }
-}
-
-impl Motion {
-    /// The rest of the motion, from `time` on.
-    fn after(&self, time: f64) -> Sweep {
-        let left = 1.0 - self.from;
-        let done = if left > 0.0 { (time - self.from) / left } else { 0.0 };
-        self.sweep.part(done.clamp(0.0, 1.0), 1.0)
-    }
-
-    /// Replaces the motion from `time` on.
-    fn change(&mut self, time: f64, group: u32, travel: DVec3, turn: DVec3) {
-        *self = Self {
-            body: self.body,
-            from: time,
-            sweep: Sweep {
-                before: self.after(time).before,
-                travel,
-                turn,
-            },
-            group,
-            first_impact: self.first_impact.min(time),
-            has_changed: true,
-        };
+    /// The pairs of a place, ascending.
+    fn of(&self, place: u32) -> &[u32] {
+        let place = place as usize;
+        let first = place.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.pairs[first as usize..self.ends[place] as usize]
     }
 }

@@ -16,6 +16,7 @@
 //! |---|---|
 //! | `stage` | continuous collision detection as part of a step |
 //! | `impacts` | the impacts of all bodies in a collision substep |
+//! | `motions` | how bodies move after impacts |
 //! | `sensors` | bodies that touch sensors on their paths |
 //! | `time_of_impact` | the time of impact of one pair |
 //! | `search` | conservative advancement over the bounding volume trees of two meshes |
@@ -29,6 +30,7 @@
 
 mod cast;
 mod impacts;
+mod motions;
 mod nodes;
 mod relative;
 mod search;

@@ -52,9 +52,9 @@ impl Ccd {
     /// after it.
     ///
     /// `bodies` have the poses from the start of the collision substep, and `manifolds` the contact points. `pairs` are
-    /// the pairs whose paths may cross. Pairs that overlap are left to contacts, and those whose contacts were `dropped` pass
-    /// through each other. Calls `on_sensor_touch` with each pair
-    /// of a sensor and another body, one of them continuous, that touch on their paths, and with the first contact.
+    /// the pairs whose paths may cross. Pairs that overlap are left to contacts, and those that were `dropped` pass through each
+    /// other, also those with planes. Calls `on_sensor_touch` with each pair of a sensor and another body, one of them
+    /// continuous, that touch on their paths, and with the first contact.
     pub fn run(
         &mut self,
         solver_bodies: &mut SolverBodies,
@@ -121,6 +121,7 @@ impl Ccd {
             bodies,
             meshes,
             planes,
+            &dropped,
             sweeps,
             continuous,
             solid_pairs,

@@ -308,6 +308,9 @@ impl Packed {
             cap_count: mesh.caps().len() as u32,
             box_center: aabb.center().to_array(),
             box_half: aabb.half_size().to_array(),
+            fingerprint_low: baked.fingerprint() as u32,
+            fingerprint_high: (baked.fingerprint() >> 32) as u32,
+            ..Default::default()
         }
     }
 }

@@ -115,6 +115,7 @@ layout! {
         groups: u32, group_words: u32, features: u32, corners: u32,
         box_center: Vec3, caps: u32,
         box_half: Vec3, cap_count: u32,
+        fingerprint_low: u32, fingerprint_high: u32, padding_a: u32, padding_b: u32,
     }
     /// The sphere that a collider sweeps over in a step.
     Sweep {

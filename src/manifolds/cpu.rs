@@ -212,5 +212,5 @@ fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2])
             radius: bodies.radius[i],
         })
     };
-    Some(Pair::new([&placed(a)?, &placed(b)?], bodies.mesh[a] == bodies.mesh[b]))
+    Some(Pair::new([&placed(a)?, &placed(b)?]))
 }

@@ -108,7 +108,7 @@ fn find<'w>(
     }
     let frames = [a, b].map(|placed| placed.frame_about(a.translation()));
     let [mesh_a, mesh_b] = [a.in_frame(&frames[0]), b.in_frame(&frames[1])];
-    let pair = Pair::new([&mesh_a, &mesh_b], a.mesh().is_same(b.mesh()));
+    let pair = Pair::new([&mesh_a, &mesh_b]);
     points.extend(of_pair(&pair).iter().map(|feature| {
         let (point, anchors) = pair.point(feature);
         MeshContact {

@@ -2,6 +2,7 @@
 
 use super::bodies::SolverPart;
 use super::bodies::{SolverBodies, SolverBody, SolverMotion};
+use crate::state::bodies::MAX_ACCELERATION;
 use crate::state::fault::MAX_SPEED;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Compound, Plane};
@@ -24,6 +25,11 @@ impl SolverBodies {
             self.forces[number as usize] = bodies.params[i].forces;
         }
         self.read_compounds(bodies);
+        for (forces, body) in self.forces.iter_mut().zip(&self.bodies) {
+            if !forces.is_zero() {
+                *forces = forces.bounded(body.inverse_mass, &body.inverse_inertia, MAX_ACCELERATION);
+            }
+        }
         for (i, plane) in planes.iter().enumerate() {
             let body = SolverBody {
                 restitution: plane.restitution,

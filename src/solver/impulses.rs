@@ -6,6 +6,7 @@
 use super::adapter::{motion_of, properties_of};
 use super::motion::velocity_after;
 use crate::state::Bodies;
+use crate::state::bodies::MAX_ACCELERATION;
 use crate::types::body::ExternalForces;
 use glam::Vec3;
 
@@ -35,6 +36,7 @@ pub(crate) fn apply_impulses_of(bodies: &mut Bodies, i: usize, knows_rotation: b
         ..ExternalForces::default()
     };
     let (properties, motion) = (properties_of(bodies, i), motion_of(bodies, i));
+    let impulses = impulses.bounded(properties.inverse_mass, &properties.inverse_inertia, MAX_ACCELERATION);
     let after = velocity_after(&properties, &motion, &impulses)?;
     let left = &mut bodies.params[i].forces;
     left.impulse = Vec3::ZERO;

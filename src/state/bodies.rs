@@ -92,7 +92,7 @@ pub struct Frame {
 }
 
 /// With this acceleration a body reaches the largest speed in a thousandth of a second, m/s².
-const MAX_ACCELERATION: f32 = 1000.0 * MAX_SPEED;
+pub(crate) const MAX_ACCELERATION: f32 = 1000.0 * MAX_SPEED;
 
 impl Bodies {
     /// Number of colliders.
@@ -174,7 +174,21 @@ impl Bodies {
     /// Upper bounds of the accelerations of a collider's surface by the external force and by the external torque on its body,
     /// m/s².
     pub(crate) fn surface_accelerations(&self, i: usize) -> [f32; 2] {
-        let forces = &self.params[self.body_of(i as u32) as usize].forces;
+        self.surface_response(i, self.forces_on(i))
+    }
+
+    /// Upper bounds of the speeds that the external impulses which have not been applied yet give to a collider's surface: the
+    /// impulse, and the angular impulse.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn surface_speeds_of_impulses(&self, i: usize) -> [f32; 2] {
+        self.surface_response(i, &self.forces_on(i).in_a_second())
+    }
+
+    fn forces_on(&self, i: usize) -> &ExternalForces {
+        &self.params[self.body_of(i as u32) as usize].forces
+    }
+
+    fn surface_response(&self, i: usize, forces: &ExternalForces) -> [f32; 2] {
         let (inverse_inertia, reach) = match self.part(i as u32) {
             None => (&self.local_inverse_inertia[i], self.radius[i]),
             Some(part) => (

@@ -63,9 +63,10 @@ impl LeftOut {
         !self.planes.is_empty() && self.planes.binary_search(&pair).is_ok()
     }
 
-    /// Whether the contacts of a pair were dropped.
+    /// Whether the contacts of a pair were dropped, or, of a pair with a plane, left out.
     pub fn has_dropped(&self, pair: [u32; 2]) -> bool {
-        !self.dropped.is_empty() && self.dropped.binary_search(&pair).is_ok()
+        let is_dropped = !self.dropped.is_empty() && self.dropped.binary_search(&pair).is_ok();
+        is_dropped || self.contains_plane_pair(pair)
     }
 }
 

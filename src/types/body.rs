@@ -150,7 +150,8 @@ pub struct Sleeping(pub bool);
 /// External forces and impulses on a body, in addition to gravity. Insert it beside the [`RigidBody`], which does not
 /// require it.
 ///
-/// Forces act until you change them. Impulses act once: the next step applies them and sets them to zero.
+/// Forces act until you change them. Impulses act once: the next step applies them and sets them to zero. However large they are,
+/// a body becomes no faster than its [`MaxLinearSpeed`](crate::plugin::components::MaxLinearSpeed), and than 1e9 m/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
@@ -190,6 +191,37 @@ impl ExternalForces {
         let Mat3 { x_axis, y_axis, z_axis } = inverse_inertia;
         let norm = Vec3::new(x_axis.length(), y_axis.length(), z_axis.length()).length();
         (self.force * inverse_mass, norm * self.torque.length())
+    }
+
+    /// The forces that change velocities within a second as the impulses do at once.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn in_a_second(&self) -> Self {
+        Self {
+            force: self.impulse,
+            torque: self.angular_impulse,
+            ..Self::default()
+        }
+    }
+
+    /// The same, but weaker where a force would accelerate the body by more than `most` m/s² or rad/s², or an impulse change its
+    /// velocities by more than `most`. No speed can be as large, and products of larger numbers overflow.
+    pub(crate) fn bounded(&self, inverse_mass: f32, inverse_inertia: &Mat3, most: f32) -> Self {
+        let Mat3 { x_axis, y_axis, z_axis } = inverse_inertia;
+        let norm = Vec3::new(x_axis.length(), y_axis.length(), z_axis.length()).length();
+        let weaker = |push: Vec3, response: f32| {
+            let change = push.as_dvec3().length() * f64::from(response);
+            if change > f64::from(most) {
+                (push.as_dvec3() * (f64::from(most) / change)).as_vec3()
+            } else {
+                push
+            }
+        };
+        Self {
+            force: weaker(self.force, inverse_mass),
+            torque: weaker(self.torque, norm),
+            impulse: weaker(self.impulse, inverse_mass),
+            angular_impulse: weaker(self.angular_impulse, norm),
+        }
     }
 
     /// Whether all forces and impulses are zero.

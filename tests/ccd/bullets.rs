@@ -57,6 +57,7 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
             &input.bodies,
             &input.meshes,
             &[],
+            |_| false,
             &flights.sweeps,
             &[false, true],
             &[[0, 1]],

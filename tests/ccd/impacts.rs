@@ -12,12 +12,24 @@ use glam::{DQuat, DVec3, Vec3};
 const TARGET_DISTANCE: f32 = 0.005;
 
 fn impacts(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ImpactScratch) -> Vec<Impact> {
+    impacts_that_pass(|_| false, flights, continuous, pairs, scratch)
+}
+
+/// The same, where bodies pass through some planes.
+fn impacts_that_pass(
+    pass: impl Fn([u32; 2]) -> bool,
+    flights: &Flights,
+    continuous: &[bool],
+    pairs: &[[u32; 2]],
+    scratch: &mut ImpactScratch,
+) -> Vec<Impact> {
     let mut impacts = Vec::new();
     let (bodies, meshes) = (&flights.input.bodies, &flights.input.meshes);
     find_impacts(
         bodies,
         meshes,
         &flights.input.planes,
+        pass,
         &flights.sweeps,
         continuous,
         pairs,
@@ -240,6 +252,69 @@ fn nothing_is_carried_into_a_half_space() {
         if let Some(other) = found.get(1) {
             assert!(other.end.center.z > 0.74, "{found:?}");
         }
+    }
+}
+
+/// The contacts of the first body with the first plane are dropped, so that another body carries it through.
+#[test]
+fn a_half_space_that_a_body_passes_does_not_hold_it() {
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    for distance in [0.0, -2.0] {
+        flights.input.planes.push(Plane {
+            normal: Vec3::Z,
+            distance,
+            ..Plane::default()
+        });
+    }
+    flights.add(1, Vec3::ONE, stay(DVec3::Z * 0.26, DQuat::IDENTITY));
+    flights.add(
+        0,
+        Vec3::ONE,
+        flight(DVec3::Z, DQuat::IDENTITY, DVec3::NEG_Z * 2.0, DVec3::ZERO),
+    );
+    let end_if = |pass: &dyn Fn([u32; 2]) -> bool| {
+        let found = impacts_that_pass(pass, &flights, &[true], &[[0, 1]], &mut ImpactScratch::default());
+        found[0].end.center.z
+    };
+    assert!((end_if(&|_| false) - 0.26).abs() < 1e-9);
+    assert!((end_if(&|pair| pair == [1, 2]) - 0.26).abs() < 1e-9);
+    let carried = end_if(&|pair| pair == [0, 2]);
+    assert!((-1.3..-1.0).contains(&carried), "{carried}");
+}
+
+/// Every body has an impact of its own, and in a row of bodies each passes its impact on.
+#[test]
+fn thousands_of_impacts_are_told_apart() {
+    let count = 3000u32;
+    let mut flights = Flights::new(&[shapes::ball(0.25, 1)]);
+    let mut pairs = Vec::new();
+    for i in 0..count {
+        let at = DVec3::X * 5.0 * f64::from(i);
+        let (stays, travel) = (stay(at, DQuat::IDENTITY), DVec3::NEG_Z * (4.0 + f64::from(i % 7)));
+        let ball = flights.add(0, Vec3::ONE, stays);
+        flights.add(
+            0,
+            Vec3::ONE,
+            flight(at + DVec3::Z * 3.0, DQuat::IDENTITY, travel, DVec3::ZERO),
+        );
+        pairs.push([ball, ball + 1]);
+    }
+    let found = impacts(
+        &flights,
+        &vec![true; 2 * count as usize],
+        &pairs,
+        &mut ImpactScratch::default(),
+    );
+    assert_eq!(found.len(), 2 * count as usize);
+    for (i, two) in found.chunks(2).enumerate() {
+        let travel = 4.0 + (i % 7) as f64;
+        let [still, fast] = [two[0], two[1]];
+        assert_eq!([still.body, fast.body], [2 * i as u32, 2 * i as u32 + 1]);
+        assert_eq!(still.fraction, fast.fraction);
+        assert!((f64::from(still.fraction) - 2.5 / travel).abs() < 0.02, "{still:?}");
+        // They share the momentum.
+        let rest = 0.5 * travel * (1.0 - f64::from(still.fraction));
+        assert!((still.end.center.z + rest).abs() < 1e-4, "{still:?}");
     }
 }
 

@@ -4,6 +4,7 @@ use crate::world::World;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::plugin::settings::StepLimits;
 use bevy_faceoff::prelude::*;
+use bevy_faceoff::types::stage::Stage;
 use glam::{Quat, Vec3};
 
 /// Fifteen bodies to the side of the crowd: a floor and two columns of boxes that rest on it and touch each other.
@@ -161,6 +162,49 @@ fn what_is_left_out_does_not_depend_on_threads() {
     };
     for limits in [FEW_BODIES, FEW_FACES] {
         assert_eq!(run(1, limits), run(4, limits));
+    }
+}
+
+/// So many bodies that threads share the work of sorting them. Which pairs are kept follows from where the bodies are now,
+/// not from threads, nor from where they were before.
+#[test]
+fn what_a_large_crowd_loses_follows_from_the_bodies_alone() {
+    let run = |threads: usize, before: &[f32]| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut world = World::weightless();
+        world.state.input.config.response = Response::None;
+        world.state.input.config.limits.body_pairs = 40_000;
+        let cube = world.mesh(&shapes::cube(1.0));
+        let mut random = fastrand::Rng::with_seed(3);
+        let places: Vec<Vec3> = (0..6000)
+            .map(|_| 10.0 * Vec3::from_array([0; 3].map(|_| random.f32())))
+            .collect();
+        for (i, &place) in places.iter().enumerate() {
+            let kind = if i % 5 == 0 {
+                RigidBody::Static
+            } else {
+                RigidBody::Dynamic
+            };
+            world.add(kind, cube, Vec3::ONE, place, Quat::IDENTITY);
+        }
+        pool.install(|| {
+            for spread in before.iter().chain(&[1.0]) {
+                for (center, place) in world.state.input.bodies.center.iter_mut().zip(&places) {
+                    *center = place * spread;
+                }
+                bevy_faceoff::step::cpu::run(Stage::BroadPhase, &mut world.state);
+            }
+        });
+        assert!(world.state.results.crowd.bodies > 1000);
+        (world.state.results.sphere_pairs, world.state.results.crowd)
+    };
+    let alone = run(1, &[]);
+    for threads in [2, 4] {
+        assert_eq!(run(threads, &[]), alone, "{threads} threads");
+    }
+    // Bodies far apart have larger cells, and bodies that gather keep these for some time.
+    for before in [&[20.0; 8][..], &[1.0; 3], &[40.0, 3.0, 1.0]] {
+        assert_eq!(run(1, before), alone, "after {before:?}");
     }
 }
 

@@ -1,12 +1,12 @@
 //! Containment and degenerate input.
 
-use super::scene::{body, cube, degrees, depth, oracle_mesh, points, push, state};
+use super::scene::{body, cube, degrees, depth, oracle_mesh, points, push, require_sane, state};
 use crate::oracle::body::{Body, Mesh};
 use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
+use bevy_faceoff::manifolds::{ManifoldPoint, Manifolds, MarginPair, cpu};
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 
@@ -59,6 +59,33 @@ fn coincident_meshes_have_finite_points() {
             points(&product, &body, &body, 0.01);
             points(&product, &body, &body.moved(DVec3::X * 1e-7), 0.0);
         }
+    }
+}
+
+/// A mesh may have been loaded twice. Bodies of the two coincide as two of one do, and are pushed apart in the same way.
+#[test]
+fn coincident_equal_meshes_have_the_points_of_one_mesh() {
+    let shapes = Shapes::new();
+    let mut meshes: Vec<(&Arc<Mesh>, bool)> = shapes.solids().into_iter().map(|mesh| (mesh, true)).collect();
+    meshes.extend([(&shapes.hollow_ball, false), (&shapes.unwelded_torus, false)]);
+    for (mesh, is_solid) in meshes {
+        let at = body(mesh, DVec3::new(1.0, 2.0, 3.0), Quat::from_rotation_y(0.7));
+        // Each bakes its own.
+        let [mut two_slots, other] = [(); 2].map(|()| state(&Product::default(), &[&at, &at]));
+        let mut one_slot = state(&Product::default(), &[&at, &at]);
+        one_slot.input.bodies.mesh.fill(0);
+        two_slots.input.meshes.replace(1, other.input.meshes[1].mesh.clone());
+        let [twice, once] = [two_slots, one_slot].map(|state| -> Vec<ManifoldPoint> {
+            let pair = MarginPair {
+                bodies: [0, 1],
+                margin: 0.01,
+            };
+            let found = cpu::of_pair(&state.input.bodies, &state.input.meshes, pair);
+            require_sane(&found);
+            found.points
+        });
+        assert_eq!(twice, once, "{}", mesh.name);
+        assert!(!(is_solid && twice.is_empty()), "{}", mesh.name);
     }
 }
 

@@ -63,6 +63,8 @@ pub struct Grid {
     doublings: Vec<u8>,
     /// Whether the cells of some level are so full that the bodies should be sorted again.
     overfull: bool,
+    /// Whether its order follows from the bodies alone.
+    is_canonical: bool,
 }
 
 /// A level: bodies whose radii differ by less than a factor of four.
@@ -120,6 +122,11 @@ impl Level {
     /// Its bodies within `range`.
     pub fn part_of(&self, range: &Range<usize>) -> Range<usize> {
         range.start.max(self.first as usize)..range.end.min(self.end as usize)
+    }
+
+    /// End of its buckets.
+    fn end_bucket(&self) -> u32 {
+        self.first_bucket + (self.mask + 1) * BLOCK_CELLS
     }
 
     /// The cell that contains a point.
@@ -182,6 +189,31 @@ impl Grid {
     /// Fills the grid with the bodies `members`. Returns whether cell sizes should change; the next call uses the new
     /// sizes.
     pub fn fill(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) -> bool {
+        self.is_canonical = false;
+        self.sort(members, centers, radii);
+        self.adapt()
+    }
+
+    /// Fills the grid so that its order follows from the bodies alone, neither from threads nor from earlier calls: where a
+    /// search ends early, the order decides what it finds.
+    pub fn fill_canonically(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) {
+        self.doublings.clear();
+        self.sort(members, centers, radii);
+        let buckets = self.levels.last().map_or(0, Level::end_bucket);
+        for bucket in 0..buckets {
+            self.ids[self.buckets.range(bucket, bucket)].sort_unstable();
+        }
+        self.copy_spheres(centers, radii);
+        self.adapt();
+        self.is_canonical = true;
+    }
+
+    /// Whether [`Grid::fill_canonically`] filled it.
+    pub fn is_canonical(&self) -> bool {
+        self.is_canonical
+    }
+
+    fn sort(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) {
         self.levels.clear();
         self.doublings.resize(LEVEL_COUNT, 0);
         // Index of each level in `levels`.
@@ -219,6 +251,10 @@ impl Grid {
         self.buckets.sort(buckets as usize, &self.keys);
         let order = self.buckets.order();
         loops::collect(order.map(|at| members[at as usize]), MIN_BODIES, &mut self.ids);
+        self.copy_spheres(centers, radii);
+    }
+
+    fn copy_spheres(&mut self, centers: &[Vec3], radii: &[f32]) {
         // All values but the padding are overwritten.
         let n = self.ids.len();
         let [x, y, z, r] = self.spheres.each_mut().map(|numbers| {
@@ -230,7 +266,6 @@ impl Grid {
             [*x, *y, *z] = centers[i as usize].to_array();
             *r = radii[i as usize];
         });
-        self.adapt()
     }
 
     /// Whether bodies have gathered so fast that they should be sorted again into smaller cells.

@@ -243,9 +243,9 @@ pub struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// `one_mesh` tells whether the bodies share a mesh.
-    pub fn new([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> Self {
-        let sides = sides([a, b], one_mesh);
+    /// The pair of two placed bodies.
+    pub fn new([a, b]: [&PlacedMesh<'a>; 2]) -> Self {
+        let sides = sides([a, b]);
         let relative_rotation = a.frame.rotation.transpose() * b.frame.rotation;
         let pose = PairPose {
             rotation: relative_rotation.as_mat3(),

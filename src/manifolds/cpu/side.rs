@@ -54,10 +54,10 @@ pub(crate) const SAME_PLACE: f64 = 1.0e-4;
 /// Offset that separates coinciding bodies, in units of their size.
 pub(crate) const NUDGE: f64 = 1.0e-3;
 
-/// The two bodies of a pair. `one_mesh` tells whether they share a mesh.
-pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] {
+/// The two bodies of a pair.
+pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2]) -> [Side<'a>; 2] {
     let to_a = a.frame.rotation.transpose();
-    let nudge = if one_mesh { nudge(a, b) } else { DVec3::ZERO };
+    let nudge = nudge(a, b);
     let center_b = to_a * (b.frame.center - a.frame.center + nudge);
     let side = |own: &PlacedMesh<'a>, rotation: DMat3, nudge: DVec3, center: DVec3, other_center: DVec3| {
         let frame = own.frame;
@@ -81,11 +81,12 @@ pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] 
     ]
 }
 
-/// Offset of the second of two bodies of one mesh: not zero if they coincide. Coinciding surfaces do not intersect in
-/// contours, so they would give no way out.
+/// Offset of the second of two bodies of equal meshes: not zero if they coincide. Coinciding surfaces do not intersect in
+/// contours, so they would give no way out. The meshes may have been loaded twice.
 fn nudge(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
     let size = f64::from(a.radius.min(b.radius));
-    let same = a.scale == b.scale
+    let same = a.mesh.fingerprint() == b.mesh.fingerprint()
+        && a.scale == b.scale
         && a.frame.center.distance(b.frame.center) < SAME_PLACE * size
         && a.frame.rotation.abs_diff_eq(b.frame.rotation, SAME_PLACE);
     if same {

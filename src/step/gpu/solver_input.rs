@@ -92,7 +92,8 @@ impl SolverInput {
                 seen.add(linear, angular.length() * bodies.bodies[i].extent);
             }
         }
-        let mut added = 0.0f32;
+        let left = (0..count).filter(|&i| !bodies.bodies[i].continuous);
+        let mut added = left.map(|i| speed_of_impulses(&bodies, i)).fold(0.0, f32::max);
         let mut carried_speeds = Speeds::NONE;
         // What carries over is not that of the host, and need not be sent when the host's changes.
         let rows = 0..count + placed.compounds.len();
@@ -116,7 +117,7 @@ impl SolverInput {
             let spin = motion.angular_velocity.length() * extent;
             let (push, turn) = bodies.accelerations(i);
             let change = Vec3::select(linear.axes, linear.added, Vec3::ZERO) + push * config.dt;
-            let change = change.length() + turn * config.dt * extent;
+            let change = change.length() + turn * config.dt * extent + speed_of_impulses(&bodies, i);
             if angular.axes.any() {
                 added = added.max(change + spin);
             } else {
@@ -127,15 +128,6 @@ impl SolverInput {
         }
         let all = seen.and(carried_speeds).after(added, Vec3::ZERO);
         let most_substeps = all.collision_substeps(&config.solver, &bodies, config.dt);
-        let by_forces = (bodies.bodies.iter().zip(&bodies.forces).enumerate())
-            .filter(|(_, (body, _))| !body.continuous)
-            .map(|(i, (body, forces))| {
-                let turn = body.inverse_inertia * forces.angular_impulse;
-                let (by_force, by_torque) = bodies.accelerations(i);
-                let push = forces.impulse * body.inverse_mass + by_force * config.dt;
-                push.length() + (turn.length() + by_torque * config.dt) * body.extent
-            })
-            .fold(0.0, f32::max);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
         let mut host_states: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, hash(*k))).collect();
         if remap.planes_changed {
@@ -161,7 +153,7 @@ impl SolverInput {
             drift: all.drift(),
             host_speeds: HostSpeeds {
                 speeds: seen,
-                max_change: added + by_forces,
+                max_change: added,
             },
         }
     }
@@ -263,8 +255,66 @@ impl SolverInput {
     }
 }
 
+/// Upper bound of the change of a body's speed by impulses that are left for the device, which knows its rotation, m/s.
+fn speed_of_impulses(bodies: &SolverBodies, i: usize) -> f32 {
+    let body = &bodies.bodies[i];
+    let at_once = bodies.forces[i].in_a_second();
+    let (push, turn) = at_once.accelerations(body.inverse_mass, &body.inverse_inertia);
+    push.length() + turn * body.extent
+}
+
 /// What carries over of a body, if its velocity does at least in part.
 fn carried_velocities(carried: &[Option<Carried>], i: usize) -> Option<Carried> {
     let carries = |carried: &Carried| carried.linear.axes.any() || carried.angular.axes.any();
     carried.get(i).copied().flatten().filter(carries)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::remap::LastBodies;
+    use super::*;
+    use crate::asset::CollisionMesh;
+    use crate::geometry::shapes;
+    use crate::state::Body;
+    use crate::types::body::ExternalForces;
+    use glam::Quat;
+
+    /// A cube of a kilogram whose state is on the device.
+    fn of_cube(forces: ExternalForces) -> SolverInput {
+        let mut state = StepInput::default();
+        let cube = state.meshes.add(CollisionMesh::new(&shapes::cube(1.0)));
+        let mut body = Body::at_rest(cube, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE);
+        body.params.forces = forces;
+        state.bodies.push(&body, &state.meshes).expect("a usable body");
+        let remap = LastBodies::default().advance_to(&state);
+        let carried = [Some(Carried::all(0))];
+        SolverInput::new(&state, &carried, Speeds::NONE, remap, false, &RecentSubsteps::default())
+    }
+
+    #[test]
+    fn a_force_counts_once() {
+        let force = Vec3::X * 64.0;
+        let input = of_cube(ExternalForces {
+            force,
+            ..Default::default()
+        });
+        assert!(
+            (input.host_speeds.max_change - 1.0).abs() < 1e-3,
+            "{:?}",
+            input.host_speeds
+        );
+    }
+
+    #[test]
+    fn an_angular_impulse_that_is_left_counts() {
+        assert_eq!(of_cube(ExternalForces::default()).most_substeps, 1);
+        let angular_impulse = Vec3::Z * 20.0;
+        let input = of_cube(ExternalForces {
+            angular_impulse,
+            ..Default::default()
+        });
+        // 120 rad/s at least.
+        assert!(input.host_speeds.max_change > 100.0, "{:?}", input.host_speeds);
+        assert!(input.most_substeps > 4, "{}", input.most_substeps);
+    }
 }

@@ -13,6 +13,7 @@ use crate::gpu::layout::{
     COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, FAST, KIND_MASK, KINEMATIC, NEEDED_SUBSTEPS, PART, SENSOR, STATIC,
 };
 use crate::gpu::program::Population;
+use crate::state::bodies::MAX_ACCELERATION;
 use crate::state::margins::SAFETY;
 use crate::state::{Bodies, Compound, Motion, Part, Plane, StepInput};
 use crate::types::body::RigidBody;
@@ -368,6 +369,10 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
     let radius = mesh.radius * scale.abs().max_element();
     let sent = carried.map_or_else(|| bodies.motion(i), |carried| carried.sent(bodies.motion(i)));
     let [force_acceleration, torque_acceleration] = bodies.surface_accelerations(i);
+    // An angular impulse acts when the device knows the rotation, which is after margins are chosen. For these it is a torque
+    // that takes the whole step.
+    let [_, by_impulse] = bodies.surface_speeds_of_impulses(i);
+    let torque_acceleration = (torque_acceleration + by_impulse / state.config.dt).min(MAX_ACCELERATION);
     layout::Body {
         position: sent.position.to_array(),
         mesh: bodies.mesh[i],
@@ -450,5 +455,25 @@ fn plane(plane: &Plane) -> layout::Plane {
         memberships: plane.layers.memberships,
         filters: plane.layers.filters,
         sensor: plane.sensor.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::state::Body;
+
+    #[test]
+    fn margins_include_an_angular_impulse_that_is_left() {
+        let mut state = StepInput::default();
+        let cube = state.meshes.add(CollisionMesh::new(&shapes::cube(1.0)));
+        let mut cube = Body::at_rest(cube, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE);
+        cube.params.forces.angular_impulse = Vec3::Z * 2.0;
+        state.bodies.push(&cube, &state.meshes).expect("a usable body");
+        let sent = body(&state.bodies, &state, 0, Some(Carried::all(0)));
+        // 12 rad/s about the centre of mass of a cube of a kilogram.
+        let speed = sent.torque_acceleration * state.config.dt;
+        assert!((10.0..20.0).contains(&speed), "{speed}");
     }
 }

@@ -67,6 +67,22 @@ pub fn nothing_at_all(gpu: &Gpu) {
     assert_eq!(on_gpu(gpu, &StepState::default(), &[pair]), Manifolds::default());
 }
 
+/// A mesh may have been loaded twice. Bodies of the two that coincide are pushed apart as two of one mesh are.
+pub fn equal_meshes_in_two_slots(gpu: &Gpu) {
+    let (product, shapes) = (Product::default(), Shapes::new());
+    let at = body(&shapes.torus, DVec3::new(1.0, 2.0, 3.0), Quat::from_rotation_y(0.7));
+    let two_slots = state(&product, &[&at, &at]);
+    let mut one_slot = state(&product, &[&at, &at]);
+    one_slot.input.bodies.mesh.fill(0);
+    let pair = MarginPair {
+        bodies: [0, 1],
+        margin: 0.01,
+    };
+    let [twice, once] = [two_slots, one_slot].map(|state| on_gpu(gpu, &state, &[pair]));
+    assert_eq!(twice, once);
+    assert!(!twice.points.is_empty());
+}
+
 /// Meshes that lie in each other exactly, or nearly, and soups: any answer will do that is made of numbers.
 pub fn hostile_scenes(gpu: &Gpu) {
     let (product, shapes) = (Product::default(), Shapes::new());

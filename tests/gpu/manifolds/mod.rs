@@ -43,6 +43,7 @@ pub const TESTS: &[Test] = &[
     ("a_margin_around_everything", bad::a_margin_around_everything),
     ("nothing_at_all", bad::nothing_at_all),
     ("hostile_scenes", bad::hostile_scenes),
+    ("equal_meshes_in_two_slots", bad::equal_meshes_in_two_slots),
     (
         "same_bits_twice_and_with_little_room",
         same_bits::twice_and_with_little_room,

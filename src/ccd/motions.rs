@@ -1,0 +1,204 @@
+//! How bodies move after impacts: in groups that move together.
+
+use super::Sweep;
+use crate::state::{Bodies, Plane};
+use glam::DVec3;
+use std::cmp::Ordering;
+
+/// The motion of a body from some time on.
+#[derive(Clone, Copy)]
+pub(super) struct Motion {
+    /// Number of the body.
+    pub body: u32,
+    /// Start of this motion, 0 to 1.
+    pub from: f64,
+    /// From then to the end of the collision substep.
+    pub sweep: Sweep,
+    /// Bodies of the same group move together. Its name is the place of the body that carries the others, if there is one,
+    /// otherwise the smallest place in it.
+    pub group: u32,
+    /// Time of its first impact, infinite if there is none.
+    pub first_impact: f64,
+}
+
+/// The motions of the bodies of the pairs.
+#[derive(Default)]
+pub(super) struct Motions {
+    pub all: Vec<Motion>,
+    /// For each of them the next in its group, in a ring, as long as its group is not carried.
+    next: Vec<u32>,
+    /// The places of those that have changed in this impact.
+    pub changed: Vec<u32>,
+    /// Scratch: the places in some groups.
+    group: Vec<u32>,
+}
+
+/// The planes, for bodies that others move.
+pub(super) struct Ground<'a, F> {
+    pub bodies: &'a Bodies,
+    pub planes: &'a [Plane],
+    /// Whether a body passes through a plane.
+    pub pass: F,
+}
+
+impl Motions {
+    /// Those of all bodies, each of which is a group by itself.
+    pub fn begin(&mut self, motions: impl Iterator<Item = Motion>) {
+        let Self {
+            all,
+            next,
+            changed,
+            group,
+        } = self;
+        all.clear();
+        all.extend(motions);
+        next.clear();
+        next.extend(0..all.len() as u32);
+        changed.clear();
+        group.clear();
+    }
+
+    /// Adds the places in a group that is not carried to `group`.
+    fn add_group(&mut self, name: u32) {
+        let mut place = name;
+        loop {
+            self.group.push(place);
+            place = self.next[place as usize];
+            if place == name {
+                return;
+            }
+        }
+    }
+
+    /// Merges two groups of continuous bodies, which move together from `time` on. Two groups of the same size get the mean
+    /// of their velocities, weighted by mass. Otherwise the smaller group adopts the velocity of the larger one, so that in
+    /// a heap the times of all members need not be recomputed for each body that joins.
+    pub fn merge_groups(&mut self, ground: &Ground<impl Fn([u32; 2]) -> bool>, groups: [u32; 2], time: f64) {
+        self.group.clear();
+        for name in groups {
+            self.add_group(name);
+        }
+        // The order decides the last bits of the sums.
+        self.group.sort_unstable();
+        let bodies = ground.bodies;
+        let (mut momentum, mut mass) = ([DVec3::ZERO; 2], [0.0; 2]);
+        let mut members = [0, 0];
+        for &place in &self.group {
+            let motion = &self.all[place as usize];
+            let side = usize::from(motion.group == groups[1]);
+            let inverse_mass = bodies.inverse_mass[motion.body as usize];
+            // Bodies without a valid mass have equal weights.
+            let own = if inverse_mass > 0.0 {
+                1.0 / f64::from(inverse_mass)
+            } else {
+                1.0
+            };
+            momentum[side] += own * motion.after(time).travel;
+            mass[side] += own;
+            members[side] += 1;
+        }
+        let travel = match members[0].cmp(&members[1]) {
+            Ordering::Equal => (momentum[0] + momentum[1]) / (mass[0] + mass[1]),
+            Ordering::Greater => momentum[0] / mass[0],
+            Ordering::Less => momentum[1] / mass[1],
+        };
+        let mut common = travel;
+        for &place in &self.group {
+            let motion = &self.all[place as usize];
+            common = ground.limit_penetration(motion.body as usize, &motion.after(time), common);
+        }
+        let group = groups[0].min(groups[1]);
+        for &place in &self.group {
+            let motion = &mut self.all[place as usize];
+            let side = usize::from(motion.group == groups[1]);
+            if members[side] > members[1 - side] && common == travel {
+                motion.group = group;
+            } else {
+                let free = bodies.params[motion.body as usize].locked_axes.free_translation();
+                let free = free.as_dvec3();
+                motion.change(time, group, common * free, DVec3::ZERO);
+                self.changed.push(place);
+            }
+        }
+        // Makes one ring of two.
+        let [a, b] = groups.map(|name| name as usize);
+        self.next.swap(a, b);
+    }
+
+    /// From `time` on a group of continuous bodies is carried by the body at the place `carrier`.
+    pub fn carry_group(&mut self, ground: &Ground<impl Fn([u32; 2]) -> bool>, carrier: u32, time: f64, group: u32) {
+        self.group.clear();
+        self.add_group(group);
+        for at in 0..self.group.len() {
+            self.carry(ground, carrier, time, self.group[at]);
+        }
+    }
+
+    /// From `time` on the body at a place is carried by that at the place `carrier`, as if rigidly attached to it.
+    pub fn carry(&mut self, ground: &Ground<impl Fn([u32; 2]) -> bool>, carrier: u32, time: f64, place: u32) {
+        let carrying = self.all[carrier as usize].after(time);
+        let rotation = carrying.at(1.0).rotation * carrying.before.rotation.inverse();
+        let motion = &mut self.all[place as usize];
+        let own = motion.after(time);
+        let offset = own.before.center - carrying.before.center;
+        // Exactly zero without rotation.
+        let rotation_travel = if carrying.turn == DVec3::ZERO {
+            DVec3::ZERO
+        } else {
+            rotation * offset - offset
+        };
+        let body = motion.body as usize;
+        let locked = ground.bodies.params[body].locked_axes;
+        let travel = ground.limit_penetration(body, &own, carrying.travel + rotation_travel);
+        let travel = travel * locked.free_translation().as_dvec3();
+        motion.change(time, carrier, travel, carrying.turn * locked.free_rotation().as_dvec3());
+        self.changed.push(place);
+    }
+}
+
+impl<F: Fn([u32; 2]) -> bool> Ground<'_, F> {
+    /// Changes `travel` so that it moves body `i` no deeper into planes than its `own` motion does, which contacts
+    /// have already limited.
+    fn limit_penetration(&self, i: usize, own: &Sweep, mut travel: DVec3) -> DVec3 {
+        let Self { bodies, planes, pass } = self;
+        for (number, plane) in (bodies.len() as u32..).zip(*planes) {
+            if plane.sensor || !bodies.layers[i].interacts_with(plane.layers) || pass([i as u32, number]) {
+                continue;
+            }
+            let normal = plane.normal.as_dvec3();
+            let height = normal.dot(own.before.center + travel) - f64::from(plane.distance);
+            let lowest = normal.dot(own.travel).min(0.0);
+            let radius = bodies
+                .compound_of(i as u32)
+                .map_or(bodies.radius[i], |body| body.radius);
+            if height < f64::from(radius) {
+                travel += normal * (lowest - normal.dot(travel)).max(0.0);
+            }
+        }
+        travel
+    }
+}
+
+impl Motion {
+    /// The rest of the motion, from `time` on.
+    pub fn after(&self, time: f64) -> Sweep {
+        let left = 1.0 - self.from;
+        let done = if left > 0.0 { (time - self.from) / left } else { 0.0 };
+        self.sweep.part(done.clamp(0.0, 1.0), 1.0)
+    }
+
+    /// Replaces the motion from `time` on.
+    fn change(&mut self, time: f64, group: u32, travel: DVec3, turn: DVec3) {
+        *self = Self {
+            body: self.body,
+            from: time,
+            sweep: Sweep {
+                before: self.after(time).before,
+                travel,
+                turn,
+            },
+            group,
+            first_impact: self.first_impact.min(time),
+        };
+    }
+}
