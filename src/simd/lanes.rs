@@ -29,6 +29,12 @@ pub fn each<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
+/// `[f(0), ..., f(7)]`. Closures of an array's `map` and `from_fn` are not always inlined.
+#[inline(always)]
+pub fn each_lane<T>(f: impl Fn(usize) -> T) -> [T; 8] {
+    [f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7)]
+}
+
 /// `value` in every lane.
 #[inline(always)]
 pub fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
@@ -204,7 +210,7 @@ pub fn bitmask_of_four<S: Simd>(mask: mask64x4<S>) -> u32 {
     mask.to_bitmask() as u32
 }
 
-/// Eight points, one per lane. An array's `map` would not be inlined.
+/// Eight points, one per lane.
 #[inline(always)]
 pub fn eight_points<S: Simd>(simd: S, [a, b, c, d, e, f, g, h]: [Vec3; 8]) -> Points<S> {
     [

@@ -60,8 +60,8 @@ const fn edge_sets(parts: Parts, shift: usize) -> [Parts; 8] {
 
 /// The features of two triangles, from what each owns: see `MeshFeatures::owned`.
 #[inline]
-pub fn owned_features(owned: [u32; 2]) -> Parts {
-    corner_parts(owned.map(|owned| owned & 7)) | edge_parts(owned.map(|owned| owned >> 3))
+pub fn owned_features([first, second]: [u32; 2]) -> Parts {
+    corner_parts([first & 7, second & 7]) | edge_parts([first >> 3, second >> 3])
 }
 
 /// A feature of two triangles.
@@ -260,8 +260,9 @@ impl Candidates {
             if parts & !CROSSING == 0 {
                 continue;
             }
-            let [i, j] = candidate.triangles.map(|index| index as usize);
-            if let Some(pair) = TrianglePair::new(sides, [&placed[0][i], &placed[1][j]], reach) {
+            let [i, j] = candidate.triangles;
+            let triangles = [&placed[0][i as usize], &placed[1][j as usize]];
+            if let Some(pair) = TrianglePair::new(sides, triangles, reach) {
                 found(&pair, parts & !CROSSING);
             }
         }

@@ -73,13 +73,11 @@ impl Crossings {
     ) {
         for some in self.pairs.chunks(4) {
             // Unused lanes repeat the last pair.
-            let pairs: [[&Triangle; 2]; 4] = std::array::from_fn(
-                #[inline(always)]
-                |lane| {
-                    let [i, j] = some[lane.min(some.len() - 1)];
-                    [&triangles[0][i as usize], &triangles[1][j as usize]]
-                },
-            );
+            let pair = |lane: usize| {
+                let [i, j] = some[lane.min(some.len() - 1)];
+                [&triangles[0][i as usize], &triangles[1][j as usize]]
+            };
+            let pairs = [pair(0), pair(1), pair(2), pair(3)];
             let crossed = Crossed::new(simd, &pairs, rounding);
             for lane in bits(crossed.lanes & ((1 << some.len()) - 1)) {
                 segments.push(crossed.segment(sides, pairs[lane], lane));

@@ -5,8 +5,8 @@ use super::candidates::{CROSSING, Part, Parts};
 use super::feature::BELOW;
 use super::search::Limits;
 use crate::simd::lanes::{
-    Points, Select, Simd, SimdBase, SimdFloat, SimdFrom, add, bitmask, bits, cross, dot, each, eight_points, f32x8,
-    lanes, largest, least, norm1, scale, splat, sub,
+    Points, Select, Simd, SimdBase, SimdFloat, SimdFrom, add, bitmask, bits, cross, dot, each, each_lane, eight_points,
+    f32x8, lanes, largest, least, norm1, scale, splat, sub,
 };
 use glam::Vec3;
 
@@ -107,12 +107,12 @@ impl Narrowing {
         }
         for tasks in vertices.chunks(8) {
             let eight = eight_of(tasks);
-            let corners = eight.map(|task| Corner::new(task, triangles, pairs));
+            let corners = each_lane(|lane| Corner::new(eight[lane], triangles, pairs));
             add_parts(pairs, eight, vertices_over(simd, &corners, limits));
         }
         for tasks in edges.chunks(8) {
             let eight = eight_of(tasks);
-            let ends = eight.map(|task| ends_of_edges(task, triangles, pairs));
+            let ends = each_lane(|lane| ends_of_edges(eight[lane], triangles, pairs));
             add_parts(pairs, eight, edges_near(simd, &ends, limits));
         }
     }
@@ -129,7 +129,8 @@ impl Narrowing {
         let may_cross = (0..).zip(&*pairs).filter(|(_, pair)| pair.parts & CROSSING != 0);
         self.crossings.extend(may_cross.map(|(number, _)| number));
         for numbers in self.crossings.chunks(8) {
-            let both = eight_of(numbers).map(|&number| pairs[number as usize].of(triangles));
+            let eight = eight_of(numbers);
+            let both = each_lane(|lane| pairs[*eight[lane] as usize].of(triangles));
             let both = TwoTriangles::new(simd, &both);
             if !limits.has_slack {
                 // Nobody needs their gap, and the search has compared them with each other's planes.
@@ -156,7 +157,7 @@ impl Narrowing {
 /// Up to eight of them. The last fills up the lanes.
 #[inline(always)]
 fn eight_of<T>(some: &[T]) -> [&T; 8] {
-    std::array::from_fn(|lane| &some[lane.min(some.len() - 1)])
+    each_lane(|lane| &some[lane.min(some.len() - 1)])
 }
 
 /// Gives pairs the features of the tasks in these lanes.
@@ -218,18 +219,7 @@ fn ends_of_edges(task: &Task, triangles: &[Vec<SmallTriangle>; 2], pairs: &[Smal
 /// A point for each of eight lanes.
 #[inline(always)]
 fn gather<S: Simd, T>(simd: S, from: &[T; 8], point: impl Fn(&T) -> Vec3) -> Points<S> {
-    let [a, b, c, d, e, f, g, h] = from;
-    let points = [
-        point(a),
-        point(b),
-        point(c),
-        point(d),
-        point(e),
-        point(f),
-        point(g),
-        point(h),
-    ];
-    eight_points(simd, points)
+    eight_points(simd, each_lane(|lane| point(&from[lane])))
 }
 
 /// Lanes in which a corner may have a feature with the face that it is over.
@@ -244,9 +234,9 @@ fn vertices_over<S: Simd>(simd: S, corners: &[Corner; 8], limits: &Limits) -> u3
         gather(simd, corners, |c| c.over.corners[2]),
     ];
     let normal = gather(simd, corners, |c| c.over.normal);
-    let winding = f32x8::simd_from(simd, std::array::from_fn(|lane| corners[lane].over.winding));
+    let winding = f32x8::simd_from(simd, each_lane(|lane| corners[lane].over.winding));
     let inward = scale(normal, winding);
-    let tilt = f32x8::simd_from(simd, std::array::from_fn(|lane| corners[lane].over.tilt));
+    let tilt = f32x8::simd_from(simd, each_lane(|lane| corners[lane].over.tilt));
     let pad = splat(simd, limits.pad);
     let ways = [sub(p, over[0]), sub(p, over[1]), sub(p, over[2])];
     let height = dot(ways[0], normal);

@@ -197,7 +197,8 @@ impl NearTriangles {
         }
         let ([firsts, seconds], [uses_a, uses_b]) = (&mut self.placed, &mut self.uses);
         for &pair in &self.pairs {
-            let [i, j] = pair.triangles.map(|index| index as usize);
+            let [i, j] = pair.triangles;
+            let (i, j) = (i as usize, j as usize);
             let (a, b) = (&mut uses_a[i], &mut uses_b[j]);
             if !a.is_placed {
                 (firsts[i], a.is_placed) = (sides[0].triangle(self.triangles[0][i].number), true);

@@ -69,16 +69,22 @@ pub struct NearLanes {
 }
 
 impl NearLanes {
+    #[inline(always)]
     pub fn any(&self) -> u32 {
-        let [first, second] = self.corners.map(|[p, q, r]| p | q | r);
-        let [own, other] = self.edges.map(|[p, q, r]| p | q | r);
-        self.crossing | first | second | own & other
+        let any = |[p, q, r]: [u32; 3]| p | q | r;
+        let [first, second] = self.corners;
+        let [own, other] = self.edges;
+        self.crossing | any(first) | any(second) | any(own) & any(other)
     }
 
+    #[inline(always)]
     pub fn parts(&self, lane: usize) -> Parts {
-        let set = |lanes: [u32; 3]| (0..3).fold(0, |set, k| set | (lanes[k] >> lane & 1) << k);
-        let crossing = if self.crossing >> lane & 1 == 1 { CROSSING } else { 0 };
-        crossing | corner_parts(self.corners.map(set)) | edge_parts(self.edges.map(set))
+        let bit = |lanes: u32| lanes >> lane & 1;
+        let set = |[p, q, r]: [u32; 3]| bit(p) | bit(q) << 1 | bit(r) << 2;
+        let crossing = if bit(self.crossing) == 1 { CROSSING } else { 0 };
+        let [first, second] = self.corners;
+        let [own, other] = self.edges;
+        crossing | corner_parts([set(first), set(second)]) | edge_parts([set(own), set(other)])
     }
 }
 
@@ -235,7 +241,8 @@ impl PlacedCluster {
     /// edges may.
     #[inline(always)]
     fn in_window(&self, i: usize) -> [u32; 2] {
-        [self.faces, self.edges].map(|lanes| (lanes >> i & 1).wrapping_neg())
+        let all = |lanes: u32| (lanes >> i & 1).wrapping_neg();
+        [all(self.faces), all(self.edges)]
     }
 
     /// Those of the lanes `boxes` of `other` whose triangles may have features with the triangle in lane `i` or cross it: none

@@ -2,7 +2,7 @@
 
 use super::side::Side;
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::{SimdBase, bitmask, bits, load_points, splat, splat_point, sub};
+use crate::simd::lanes::{SimdBase, bitmask, bits, each, load_points, splat, splat_point, sub};
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::line::may_meet;
@@ -25,9 +25,14 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
     let center = side.mesh.mass.center.as_dvec3();
     let simd = baseline();
     let local = splat_point(simd, (from - center).as_vec3());
-    let inverse = (way / length).to_array().map(|d| {
+    let unit = way / length;
+    let inverse = each(|axis| {
         // Keeps the reciprocal finite.
-        let d = if d.abs() < 1.0e-12 { 1.0e-12 } else { d };
+        let d = if unit[axis].abs() < 1.0e-12 {
+            1.0e-12
+        } else {
+            unit[axis]
+        };
         splat(simd, d.recip() as f32)
     });
     let pad = splat(simd, PAD * (lanes.aabb.max - lanes.aabb.min).length());
@@ -51,8 +56,9 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
     };
     visit(&lanes.levels, &met, &mut |cluster| {
         let first = cluster as usize * CLUSTER;
-        for t in bits(may_meet(simd, &lanes.clusters[cluster as usize], from, way / length)).map(|lane| first + lane) {
-            if let Some(distance) = meets(mesh.corners(t).map(|p| p.as_dvec3() - from), way)
+        for t in bits(may_meet(simd, &lanes.clusters[cluster as usize], from, unit)).map(|lane| first + lane) {
+            let corners = mesh.corners(t);
+            if let Some(distance) = meets(each(|k| corners[k].as_dvec3() - from), way)
                 && distance < nearest.get().0
             {
                 nearest.set((distance, Some(t as u32)));

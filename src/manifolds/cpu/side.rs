@@ -3,7 +3,7 @@
 use super::feature::ARC;
 use crate::asset::CollisionMesh;
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
-use crate::simd::lanes::each;
+use crate::simd::lanes::{each, each_lane};
 use crate::state::PlacedMesh;
 use crate::state::mesh_arena::Stored;
 use crate::state::pairs::DEFAULT_DIRECTION;
@@ -157,13 +157,14 @@ impl Side<'_> {
 
     /// For eight triangles from `first` on, the largest angle between a triangle's normal and a contact normal at an
     /// edge that it owns, radians.
+    #[inline(always)]
     pub fn edge_normal_rotations(&self, first: u32) -> Stored {
         // Non-uniform scales change angles.
         let scale = self.scale.abs();
         let is_uniform = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
         let rotations = &self.features.edge_normal_rotations[first as usize..];
         let slack = ARC_SLACK as f32 * ARC as f32;
-        Stored(std::array::from_fn(|lane| match rotations.get(lane) {
+        Stored(each_lane(|lane| match rotations.get(lane) {
             Some(rotation) if is_uniform && rotation + slack < ANY_NORMAL => rotation + slack,
             _ => ANY_NORMAL,
         }))

@@ -8,7 +8,7 @@ use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::descent::Descent;
 use crate::simd::lanes::{
-    Points, Simd, bitmask, bits, boxes_meet, f32x8, heights, lane_of, load, load_points, splat, splat_point,
+    Points, Simd, bitmask, bits, boxes_meet, each_lane, f32x8, heights, lane_of, load, load_points, splat, splat_point,
 };
 use crate::state::mesh_arena::{StoredPoints, points};
 use glam::{DVec3, Vec3};
@@ -206,7 +206,7 @@ fn cluster_pair<S: Simd>(
     while let Some(Crossing { lane: i, left, .. }) = tests.next() {
         for j in bits(left) {
             candidates.push(Candidate {
-                lanes: [indices[0] * CLUSTER + i, indices[1] * CLUSTER + j].map(|at| at as u32),
+                lanes: [(indices[0] * CLUSTER + i) as u32, (indices[1] * CLUSTER + j) as u32],
                 offset,
                 error,
             });
@@ -340,7 +340,7 @@ impl Scratch {
         let metres = 1.0 / f64::from(pair_scale.unit);
         for run in self.candidates.chunks(CLUSTER) {
             // Unused lanes repeat the last candidate.
-            let pairs: [Candidate; CLUSTER] = std::array::from_fn(|lane| run[lane.min(run.len() - 1)]);
+            let pairs: [Candidate; CLUSTER] = each_lane(|lane| run[lane.min(run.len() - 1)]);
             let verdicts = decide(&gather(simd, &self.a, &self.b, &pairs));
             let wanted = (1u32 << run.len()) - 1;
             for lane in bits((verdicts.hit | verdicts.unsure) & wanted) {
