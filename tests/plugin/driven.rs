@@ -73,18 +73,24 @@ pub fn a_door_turned_by_its_transform_sweeps_a_ball_away() {
     assert!(sim.position(ball).z < -1.0, "{}", sim.position(ball));
 }
 
+/// A weightless body at the origin and a kinematic slab, half a metre before it, after two steps.
+fn slab_beside_a_body() -> (Sim, Entity, Entity) {
+    let mut sim = Sim::new();
+    sim.world().insert_resource(Response::Contacts);
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let slab = sim.spawn((
+        RigidBody::Kinematic,
+        cube.clone(),
+        Transform::from_xyz(-1.1, 0.0, 0.0).with_scale(Vec3::new(0.2, 2.0, 2.0)),
+    ));
+    let body = sim.spawn((RigidBody::Dynamic, cube, Transform::default()));
+    sim.step(2);
+    (sim, slab, body)
+}
+
 pub fn a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does() {
     for teleports in [true, false] {
-        let mut sim = Sim::new();
-        sim.world().insert_resource(Response::Contacts);
-        let cube = sim.mesh(&shapes::cube(1.0));
-        let slab = sim.spawn((
-            RigidBody::Kinematic,
-            cube.clone(),
-            Transform::from_xyz(-1.1, 0.0, 0.0).with_scale(Vec3::new(0.2, 2.0, 2.0)),
-        ));
-        let body = sim.spawn((RigidBody::Dynamic, cube, Transform::default()));
-        sim.step(2);
+        let (mut sim, slab, body) = slab_beside_a_body();
         shift(&mut sim, slab, Vec3::X * 0.6);
         if teleports {
             // Beyond the body.
@@ -103,16 +109,7 @@ pub fn a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does() {
 }
 
 pub fn a_slab_that_teleports_while_it_is_left_out_pushes_nothing_when_it_returns() {
-    let mut sim = Sim::new();
-    sim.world().insert_resource(Response::Contacts);
-    let cube = sim.mesh(&shapes::cube(1.0));
-    let slab = sim.spawn((
-        RigidBody::Kinematic,
-        cube.clone(),
-        Transform::from_xyz(-1.1, 0.0, 0.0).with_scale(Vec3::new(0.2, 2.0, 2.0)),
-    ));
-    let body = sim.spawn((RigidBody::Dynamic, cube, Transform::default()));
-    sim.step(2);
+    let (mut sim, slab, body) = slab_beside_a_body();
     sim.set(slab, RigidBodyDisabled);
     sim.step(4);
     shift(&mut sim, slab, Vec3::X * 2.6);

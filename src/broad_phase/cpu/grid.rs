@@ -124,11 +124,6 @@ impl Level {
         range.start.max(self.first as usize)..range.end.min(self.end as usize)
     }
 
-    /// End of its buckets.
-    fn end_bucket(&self) -> u32 {
-        self.first_bucket + (self.mask + 1) * BLOCK_CELLS
-    }
-
     /// The cell that contains a point.
     fn cell(&self, at: DVec3) -> [i64; 3] {
         (at * self.cells_per_meter).to_array().map(floor)
@@ -191,6 +186,7 @@ impl Grid {
     pub fn fill(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) -> bool {
         self.is_canonical = false;
         self.sort(members, centers, radii);
+        self.copy_spheres(centers, radii);
         self.adapt()
     }
 
@@ -198,9 +194,7 @@ impl Grid {
     /// search ends early, the order decides what it finds.
     pub fn fill_canonically(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) {
         self.doublings.clear();
-        self.sort(members, centers, radii);
-        let buckets = self.levels.last().map_or(0, Level::end_bucket);
-        for bucket in 0..buckets {
+        for bucket in 0..self.sort(members, centers, radii) {
             self.ids[self.buckets.range(bucket, bucket)].sort_unstable();
         }
         self.copy_spheres(centers, radii);
@@ -213,7 +207,8 @@ impl Grid {
         self.is_canonical
     }
 
-    fn sort(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) {
+    /// Sorts the bodies `members` into levels and cells. Returns the number of buckets.
+    fn sort(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) -> u32 {
         self.levels.clear();
         self.doublings.resize(LEVEL_COUNT, 0);
         // Index of each level in `levels`.
@@ -251,9 +246,10 @@ impl Grid {
         self.buckets.sort(buckets as usize, &self.keys);
         let order = self.buckets.order();
         loops::collect(order.map(|at| members[at as usize]), MIN_BODIES, &mut self.ids);
-        self.copy_spheres(centers, radii);
+        buckets
     }
 
+    /// Copies the spheres of the bodies in the order of `ids`.
     fn copy_spheres(&mut self, centers: &[Vec3], radii: &[f32]) {
         // All values but the padding are overwritten.
         let n = self.ids.len();

@@ -157,28 +157,27 @@ impl PlacedCluster {
         let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
         let first = cluster * CLUSTER as u32;
         let extent = sub(high, low);
-        let placed = self;
-        placed.corners = [store_points(p), store_points(q), store_points(r)];
-        placed.normal = store_points(normal);
-        placed.length = store(length);
-        placed.direction = store_points(scale(normal, inverse));
-        placed.slack = store(slack);
-        placed.middle = store_points(middle);
-        placed.around = store(largest(squares).sqrt());
-        placed.edge_rotation = side.edge_normal_rotations(first);
-        (placed.min, placed.max) = (store_points(low), store_points(high));
-        placed.sides = store(extent[0] + extent[1] + extent[2]);
-        (placed.min_along, placed.max_along) = Default::default();
-        (placed.lanes, placed.faces, placed.edges) = (own.lanes, own.lanes, own.lanes);
-        placed.first = first;
-        for (i, owned) in placed.owned.iter_mut().enumerate() {
+        self.corners = [store_points(p), store_points(q), store_points(r)];
+        self.normal = store_points(normal);
+        self.length = store(length);
+        self.direction = store_points(scale(normal, inverse));
+        self.slack = store(slack);
+        self.middle = store_points(middle);
+        self.around = store(largest(squares).sqrt());
+        self.edge_rotation = side.edge_normal_rotations(first);
+        (self.min, self.max) = (store_points(low), store_points(high));
+        self.sides = store(extent[0] + extent[1] + extent[2]);
+        (self.min_along, self.max_along) = Default::default();
+        (self.lanes, self.faces, self.edges) = (own.lanes, own.lanes, own.lanes);
+        self.first = first;
+        for (i, owned) in self.owned.iter_mut().enumerate() {
             *owned = side.features.owned.get(first as usize + i).copied().unwrap_or(0);
         }
-        placed.winding = *outward;
+        self.winding = *outward;
         if let Some(window) = &search.window {
-            (placed.lanes, placed.faces, placed.edges) = (0, 0, 0);
+            (self.lanes, self.faces, self.edges) = (0, 0, 0);
             let unit = scale(normal, inverse * splat(simd, *forward));
-            let edge_rotation = load(simd, &placed.edge_rotation);
+            let edge_rotation = load(simd, &self.edge_rotation);
             for place in window.places() {
                 let (center, radius) = (
                     splat_point(simd, place.center),
@@ -187,28 +186,28 @@ impl PlacedCluster {
                 let zero = splat(simd, 0.0);
                 let way = each(|axis| (low[axis] - center[axis]).max(center[axis] - high[axis]).max(zero));
                 let near = own.lanes & bitmask(dot(way, way).simd_le(radius * radius));
-                placed.lanes |= near;
+                self.lanes |= near;
                 if place.normal == Vec3::ZERO {
-                    placed.faces |= near;
-                    placed.edges |= near;
+                    self.faces |= near;
+                    self.edges |= near;
                     continue;
                 }
                 let turn = sub(unit, splat_point(simd, place.normal));
                 let turn = known.select(dot(turn, turn), zero);
                 let most = splat(simd, window.chord);
                 let most_of_edges = most + edge_rotation;
-                placed.faces |= near & bitmask(turn.simd_le(most * most));
-                placed.edges |= near & bitmask(turn.simd_le(most_of_edges * most_of_edges));
+                self.faces |= near & bitmask(turn.simd_le(most * most));
+                self.edges |= near & bitmask(turn.simd_le(most_of_edges * most_of_edges));
             }
             let direction = splat_point(simd, window.direction);
             let along = [dot(direction, p), dot(direction, q), dot(direction, r)];
-            placed.min_along = store(least(along));
-            placed.max_along = store(largest(along));
+            self.min_along = store(least(along));
+            self.max_along = store(largest(along));
         }
-        placed.bounds = Aabb::EMPTY;
-        for i in bits(placed.lanes) {
-            placed.bounds.min = placed.bounds.min.min(lane_of(&placed.min, i));
-            placed.bounds.max = placed.bounds.max.max(lane_of(&placed.max, i));
+        self.bounds = Aabb::EMPTY;
+        for i in bits(self.lanes) {
+            self.bounds.min = self.bounds.min.min(lane_of(&self.min, i));
+            self.bounds.max = self.bounds.max.max(lane_of(&self.max, i));
         }
     }
 
