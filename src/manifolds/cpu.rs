@@ -1,5 +1,6 @@
 //! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
+mod boxed;
 mod candidates;
 pub(super) mod contour;
 mod crossing;
@@ -11,6 +12,7 @@ mod kept;
 mod kept_pairs;
 mod moved;
 mod near;
+mod near_lanes;
 pub(super) mod pair;
 pub(super) mod placed_cluster;
 pub mod planes;
@@ -19,6 +21,7 @@ pub(super) mod reduce;
 mod search;
 mod shares;
 pub(super) mod side;
+mod small_triangle;
 pub(super) mod smooth;
 
 pub(crate) use feature::Feature;

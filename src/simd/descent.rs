@@ -96,12 +96,18 @@ impl Descent {
                 any |= mask;
             }
             for lane in bits(any) {
-                let first = self.next_list.len() as u32;
-                let met = list.iter().zip(&self.masks).filter(|(_, mask)| *mask >> lane & 1 == 1);
-                self.next_list.extend(met.map(|(at, _)| *at));
+                // Written without branches, which processors would mispredict.
+                let first = self.next_list.len();
+                self.next_list.resize(first + list.len(), 0);
+                let (met, mut count) = (&mut self.next_list[first..], 0);
+                for (at, mask) in list.iter().zip(&self.masks) {
+                    met[count] = *at;
+                    count += (mask >> lane & 1) as usize;
+                }
+                self.next_list.truncate(first + count);
                 self.next_entries.push(Entry {
                     node: group.node(entry.node.number, lane),
-                    first,
+                    first: first as u32,
                     end: self.next_list.len() as u32,
                 });
             }

@@ -5,10 +5,11 @@
 //!
 //! `a.min(b)` and `a.max(b)` are the instructions of x86 there: `b` where one of both is NaN, or where both are zero.
 
-pub use fearless_simd::prelude::{Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask};
+pub use fearless_simd::prelude::{Select, Simd, SimdBase, SimdCombine, SimdFloat, SimdFrom, SimdMask, SimdSplit};
 pub use fearless_simd::{f32x8, f64x4, mask32x8, mask64x4};
 
 use crate::geometry::lanes::{Stored, StoredPoints};
+use fearless_simd::f32x4;
 use glam::{DVec3, Mat3, Vec3};
 use std::ops::{Add, Mul, Sub};
 
@@ -210,13 +211,73 @@ pub fn bitmask_of_four<S: Simd>(mask: mask64x4<S>) -> u32 {
     mask.to_bitmask() as u32
 }
 
-/// Eight points, one per lane.
+/// Four numbers of each of eight lanes: the first numbers, the second ones, and so on.
 #[inline(always)]
-pub fn eight_points<S: Simd>(simd: S, [a, b, c, d, e, f, g, h]: [Vec3; 8]) -> Points<S> {
+pub fn columns<S: Simd>(simd: S, [a, b, c, d, e, f, g, h]: [&[f32; 4]; 8]) -> [f32x8<S>; 4] {
+    let low = transposed(four_rows(simd, [a, b, c, d]));
+    let high = transposed(four_rows(simd, [e, f, g, h]));
     [
-        f32x8::simd_from(simd, [a.x, b.x, c.x, d.x, e.x, f.x, g.x, h.x]),
-        f32x8::simd_from(simd, [a.y, b.y, c.y, d.y, e.y, f.y, g.y, h.y]),
-        f32x8::simd_from(simd, [a.z, b.z, c.z, d.z, e.z, f.z, g.z, h.z]),
+        low[0].combine(high[0]),
+        low[1].combine(high[1]),
+        low[2].combine(high[2]),
+        low[3].combine(high[3]),
+    ]
+}
+
+/// The four numbers of each of eight lanes, from [`columns`].
+#[inline(always)]
+pub fn rows<S: Simd>([x, y, z, w]: [f32x8<S>; 4]) -> [[f32; 4]; 8] {
+    let (x, y, z, w) = (x.split(), y.split(), z.split(), w.split());
+    let [a, b, c, d] = transposed([x.0, y.0, z.0, w.0]);
+    let [e, f, g, h] = transposed([x.1, y.1, z.1, w.1]);
+    [
+        a.into(),
+        b.into(),
+        c.into(),
+        d.into(),
+        e.into(),
+        f.into(),
+        g.into(),
+        h.into(),
+    ]
+}
+
+/// The least of each coordinate, of all lanes.
+#[inline(always)]
+pub fn least_point<S: Simd>([x, y, z]: Points<S>) -> Vec3 {
+    let (x, y, z) = (x.split(), y.split(), z.split());
+    let [x, y, z] = [x.0.min(x.1), y.0.min(y.1), z.0.min(z.1)];
+    let [a, b, c, d] = transposed([x, y, z, z]);
+    let least: [f32; 4] = a.min(b).min(c.min(d)).into();
+    Vec3::new(least[0], least[1], least[2])
+}
+
+/// The largest of each coordinate, of all lanes.
+#[inline(always)]
+pub fn largest_point<S: Simd>([x, y, z]: Points<S>) -> Vec3 {
+    -least_point([-x, -y, -z])
+}
+
+#[inline(always)]
+fn four_rows<S: Simd>(simd: S, [a, b, c, d]: [&[f32; 4]; 4]) -> [f32x4<S>; 4] {
+    [
+        f32x4::simd_from(simd, *a),
+        f32x4::simd_from(simd, *b),
+        f32x4::simd_from(simd, *c),
+        f32x4::simd_from(simd, *d),
+    ]
+}
+
+/// The columns of a matrix, given by its rows.
+#[inline(always)]
+fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
+    let (first, third) = (a.zip_low(c), a.zip_high(c));
+    let (second, fourth) = (b.zip_low(d), b.zip_high(d));
+    [
+        first.zip_low(second),
+        first.zip_high(second),
+        third.zip_low(fourth),
+        third.zip_high(fourth),
     ]
 }
 

@@ -1,9 +1,10 @@
 //! The box trees of the two meshes of a pair, and the test whether two nodes may touch.
 
 use super::lanes::{
-    Points, Rows, Simd, SimdBase, SimdFloat, abs, add, all_le, bitmask, dot, f32x8, lane_of, load, load_points,
-    mask32x8, mul, scale, splat, splat_point, store, store_points, sub, widen,
+    Points, Rows, Simd, SimdBase, SimdFloat, abs, add, all_le, bitmask, boxes_meet, dot, f32x8, lane_of, load,
+    load_points, mask32x8, mul, scale, splat, splat_point, store, store_points, sub, widen,
 };
+use crate::geometry::Aabb;
 use crate::geometry::lanes::{MeshLanes, SlabGroup, Stored, StoredPoints, points};
 use glam::{Mat3, Vec3};
 
@@ -14,7 +15,7 @@ pub struct Group {
     center: [StoredPoints; 2],
     half: [StoredPoints; 2],
     slabs: Option<SlabGroup>,
-    /// One bit per lane whose box passes the support-axis cull.
+    /// One bit per lane whose box passes the support-axis cull, and meets a box of [`Tree::within`].
     lanes: u32,
 }
 
@@ -72,6 +73,8 @@ pub struct Tree<'a, S: Simd> {
     pad: f32,
     /// Whether slabs are tested as well as boxes.
     slabs: bool,
+    /// Nodes outside all of these boxes count as apart from the other body; without any, none does.
+    within: &'a [Aabb],
 }
 
 impl<'a, S: Simd> Tree<'a, S> {
@@ -108,7 +111,15 @@ impl<'a, S: Simd> Tree<'a, S> {
             slabs,
             // Each of the two nodes of a test contributes half.
             pad: 0.5 * pad,
+            within: &[],
         }
+    }
+
+    /// The same tree, of which only nodes that meet one of these boxes touch the other body. They are in the axes of the
+    /// first body and in the pair's unit of length, relative to the first body's centre.
+    #[inline(always)]
+    pub fn within(self, within: &'a [Aabb]) -> Self {
+        Self { within, ..self }
     }
 
     /// The number of levels below the root. The nodes of level 0 are clusters.
@@ -169,15 +180,31 @@ impl<'a, S: Simd> Tree<'a, S> {
         let half = mul(load_points(self.simd, half), self.scale_abs);
         let around = self.rotation_abs.times(half);
         let height = dot(center, self.axis) + dot(half, self.axis_abs);
-        let own = (store_points(center), store_points(widen(half, pad)));
-        let other = (store_points(self.to_other(center)), store_points(widen(around, pad)));
+        let own = (center, widen(half, pad));
+        let other = (self.to_other(center), widen(around, pad));
         let (first, second) = if self.second { (other, own) } else { (own, other) };
-        Group {
-            center: [first.0, second.0],
-            half: [first.1, second.1],
-            slabs,
-            lanes: bitmask(height.simd_ge(self.min_height)),
+        let mut lanes = bitmask(height.simd_ge(self.min_height));
+        if !self.within.is_empty() {
+            lanes &= self.lanes_within(first);
         }
+        Group {
+            center: [store_points(first.0), store_points(second.0)],
+            half: [store_points(first.1), store_points(second.1)],
+            slabs,
+            lanes,
+        }
+    }
+
+    /// Boxes, by centres and half sizes in the axes of the first body, that meet one of those of [`Tree::within`].
+    #[inline(always)]
+    fn lanes_within(&self, (center, half): (Points<S>, Points<S>)) -> u32 {
+        let (low, high) = (sub(center, half), add(center, half));
+        let mut lanes = 0;
+        for aabb in self.within {
+            let (min, max) = (splat_point(self.simd, aabb.min), splat_point(self.simd, aabb.max));
+            lanes |= bitmask(boxes_meet(low, high, min, max));
+        }
+        lanes
     }
 
     /// Slabs of the mesh after scaling and rotation. A scaled slab is a slab again; its normal is scaled by the

@@ -5,7 +5,7 @@ mod candidates;
 pub(super) mod contact;
 pub(crate) mod containment;
 mod cull;
-pub(super) mod interval_test;
+pub(crate) mod interval_test;
 mod lane_filter;
 mod pair_setup;
 pub(crate) mod placed;

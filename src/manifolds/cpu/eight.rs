@@ -3,36 +3,13 @@
 
 use super::candidates::{CROSSING, Part, Parts};
 use super::feature::BELOW;
+use super::placed_cluster::ANY_TILT;
 use super::search::Limits;
+use super::small_triangle::{EightTriangles, SmallTriangle};
 use crate::simd::lanes::{
-    Points, Select, Simd, SimdBase, SimdFloat, SimdFrom, add, bitmask, bits, cross, dot, each, each_lane, eight_points,
-    f32x8, lanes, largest, least, norm1, scale, splat, sub,
+    Points, Select, Simd, SimdBase, SimdFloat, add, bitmask, bits, columns, cross, dot, each, each_lane, f32x8,
+    largest, least, norm1, scale, splat, sub,
 };
-use glam::Vec3;
-
-/// A triangle in single precision, in the axes of the pair's first body.
-#[derive(Clone, Copy, Default)]
-pub struct SmallTriangle {
-    pub number: u32,
-    pub corners: [Vec3; 3],
-    /// Outward unit normal; zero where single precision does not determine it.
-    pub normal: Vec3,
-    /// Error bound of a height over the plane, per distance to a corner.
-    pub tilt: f32,
-    /// 1 if the corners are counter-clockwise seen from outside, else -1.
-    pub winding: f32,
-}
-
-impl SmallTriangle {
-    /// The ends of edge `k`.
-    #[inline(always)]
-    fn edge(&self, k: usize) -> [Vec3; 2] {
-        [self.corners[k], self.corners[(k + 1) % 3]]
-    }
-}
-
-/// The tilt of a triangle whose normal is not known: all heights are possible.
-pub const ANY_TILT: f32 = 4.0;
 
 /// Relative rounding error of these tests.
 const ERROR: f32 = 1.0e-5;
@@ -72,7 +49,7 @@ impl Narrowing {
     pub fn run<S: Simd>(
         &mut self,
         simd: S,
-        triangles: &[Vec<SmallTriangle>; 2],
+        triangles: [&[SmallTriangle]; 2],
         pairs: &mut Vec<SmallPair>,
         one_sided: bool,
         limits: &Limits,
@@ -80,7 +57,10 @@ impl Narrowing {
         if one_sided {
             self.narrow_features(simd, triangles, pairs, limits);
         }
-        self.narrow_crossings(simd, triangles, pairs, limits);
+        // Without slack, the search has compared them with the interval test, and nobody needs their gap.
+        if limits.has_slack {
+            self.narrow_crossings(simd, triangles, pairs, limits);
+        }
         pairs.retain(|pair| pair.parts != 0);
     }
 
@@ -88,7 +68,7 @@ impl Narrowing {
     fn narrow_features<S: Simd>(
         &mut self,
         simd: S,
-        triangles: &[Vec<SmallTriangle>; 2],
+        triangles: [&[SmallTriangle]; 2],
         pairs: &mut [SmallPair],
         limits: &Limits,
     ) {
@@ -121,7 +101,7 @@ impl Narrowing {
     fn narrow_crossings<S: Simd>(
         &mut self,
         simd: S,
-        triangles: &[Vec<SmallTriangle>; 2],
+        triangles: [&[SmallTriangle]; 2],
         pairs: &mut [SmallPair],
         limits: &Limits,
     ) {
@@ -132,16 +112,6 @@ impl Narrowing {
             let eight = eight_of(numbers);
             let both = each_lane(|lane| pairs[*eight[lane] as usize].of(triangles));
             let both = TwoTriangles::new(simd, &both);
-            if !limits.has_slack {
-                // Nobody needs their gap, and the search has compared them with each other's planes.
-                let apart = both.are_apart(limits.crossing + limits.pad);
-                for (lane, &number) in numbers.iter().enumerate() {
-                    if apart >> lane & 1 == 1 {
-                        pairs[number as usize].parts &= !CROSSING;
-                    }
-                }
-                continue;
-            }
             for (&number, gap) in numbers.iter().zip(both.gaps(limits.pad)) {
                 let pair = &mut pairs[number as usize];
                 // Coordinates beyond single precision may give NaN.
@@ -156,7 +126,7 @@ impl Narrowing {
 
 /// Up to eight of them. The last fills up the lanes.
 #[inline(always)]
-fn eight_of<T>(some: &[T]) -> [&T; 8] {
+pub fn eight_of<T>(some: &[T]) -> [&T; 8] {
     each_lane(|lane| &some[lane.min(some.len() - 1)])
 }
 
@@ -171,14 +141,14 @@ fn add_parts(pairs: &mut [SmallPair], tasks: [&Task; 8], lanes: u32) {
 
 impl Task {
     #[inline(always)]
-    fn triangles<'a>(&self, triangles: &'a [Vec<SmallTriangle>; 2], pairs: &[SmallPair]) -> [&'a SmallTriangle; 2] {
+    fn triangles<'a>(&self, triangles: [&'a [SmallTriangle]; 2], pairs: &[SmallPair]) -> [&'a SmallTriangle; 2] {
         pairs[self.pair as usize].of(triangles)
     }
 }
 
 impl SmallPair {
     #[inline(always)]
-    fn of<'a>(&self, triangles: &'a [Vec<SmallTriangle>; 2]) -> [&'a SmallTriangle; 2] {
+    fn of<'a>(&self, triangles: [&'a [SmallTriangle]; 2]) -> [&'a SmallTriangle; 2] {
         let [i, j] = self.triangles;
         [&triangles[0][i as usize], &triangles[1][j as usize]]
     }
@@ -193,7 +163,7 @@ struct Corner<'a> {
 
 impl<'a> Corner<'a> {
     #[inline(always)]
-    fn new(task: &Task, triangles: &'a [Vec<SmallTriangle>; 2], pairs: &[SmallPair]) -> Self {
+    fn new(task: &Task, triangles: [&'a [SmallTriangle]; 2], pairs: &[SmallPair]) -> Self {
         let Part::Vertex { side, k } = Part::of(task.bit as usize) else {
             unreachable!("a feature of a vertex");
         };
@@ -208,7 +178,7 @@ impl<'a> Corner<'a> {
 
 /// The ends of two edges.
 #[inline(always)]
-fn ends_of_edges(task: &Task, triangles: &[Vec<SmallTriangle>; 2], pairs: &[SmallPair]) -> [[Vec3; 2]; 2] {
+fn ends_of_edges<'a>(task: &Task, triangles: [&'a [SmallTriangle]; 2], pairs: &[SmallPair]) -> [[&'a [f32; 4]; 2]; 2] {
     let [first, second] = task.triangles(triangles, pairs);
     let Part::Edges([k, l]) = Part::of(task.bit as usize) else {
         unreachable!("a feature of edges");
@@ -218,25 +188,21 @@ fn ends_of_edges(task: &Task, triangles: &[Vec<SmallTriangle>; 2], pairs: &[Smal
 
 /// A point for each of eight lanes.
 #[inline(always)]
-fn gather<S: Simd, T>(simd: S, from: &[T; 8], point: impl Fn(&T) -> Vec3) -> Points<S> {
-    eight_points(simd, each_lane(|lane| point(&from[lane])))
+fn gather<'a, S: Simd, T>(simd: S, from: &[T; 8], point: impl Fn(&T) -> &'a [f32; 4]) -> Points<S> {
+    let [x, y, z, _] = columns(simd, each_lane(|lane| point(&from[lane])));
+    [x, y, z]
 }
 
 /// Lanes in which a corner may have a feature with the face that it is over.
 #[inline(always)]
 fn vertices_over<S: Simd>(simd: S, corners: &[Corner; 8], limits: &Limits) -> u32 {
-    let p = gather(simd, corners, |c| c.own.corners[c.k]);
-    let next = gather(simd, corners, |c| c.own.corners[(c.k + 1) % 3]);
-    let before = gather(simd, corners, |c| c.own.corners[(c.k + 2) % 3]);
-    let over = [
-        gather(simd, corners, |c| c.over.corners[0]),
-        gather(simd, corners, |c| c.over.corners[1]),
-        gather(simd, corners, |c| c.over.corners[2]),
-    ];
-    let normal = gather(simd, corners, |c| c.over.normal);
-    let winding = f32x8::simd_from(simd, each_lane(|lane| corners[lane].over.winding));
-    let inward = scale(normal, winding);
-    let tilt = f32x8::simd_from(simd, each_lane(|lane| corners[lane].over.tilt));
+    let p = gather(simd, corners, |c| c.own.corner(c.k));
+    let next = gather(simd, corners, |c| c.own.corner((c.k + 1) % 3));
+    let before = gather(simd, corners, |c| c.own.corner((c.k + 2) % 3));
+    let face = EightTriangles::gather(simd, each_lane(|lane| corners[lane].over));
+    let (over, normal) = (face.corners, face.direction());
+    let inward = scale(normal, face.winding);
+    let tilt = face.has_direction().select(face.tilt, splat(simd, ANY_TILT));
     let pad = splat(simd, limits.pad);
     let ways = [sub(p, over[0]), sub(p, over[1]), sub(p, over[2])];
     let height = dot(ways[0], normal);
@@ -261,7 +227,7 @@ fn vertices_over<S: Simd>(simd: S, corners: &[Corner; 8], limits: &Limits) -> u3
 
 /// Lanes in which two edges, each given by its ends, may be within the reach of each other.
 #[inline(always)]
-fn edges_near<S: Simd>(simd: S, ends: &[[[Vec3; 2]; 2]; 8], limits: &Limits) -> u32 {
+fn edges_near<S: Simd>(simd: S, ends: &[[[&[f32; 4]; 2]; 2]; 8], limits: &Limits) -> u32 {
     let (p, q) = (gather(simd, ends, |e| e[0][0]), gather(simd, ends, |e| e[1][0]));
     let u = sub(gather(simd, ends, |e| e[0][1]), p);
     let v = sub(gather(simd, ends, |e| e[1][1]), q);
@@ -291,21 +257,28 @@ struct TwoTriangles<S: Simd> {
 impl<S: Simd> TwoTriangles<S> {
     #[inline(always)]
     fn new(simd: S, pairs: &[[&SmallTriangle; 2]; 8]) -> Self {
-        let of = |side: usize| {
-            [
-                gather(simd, pairs, |pair| pair[side].corners[0]),
-                gather(simd, pairs, |pair| pair[side].corners[1]),
-                gather(simd, pairs, |pair| pair[side].corners[2]),
-            ]
-        };
-        let edges = |[p, q, r]: &[Points<S>; 3]| [sub(*q, *p), sub(*r, *q), sub(*p, *r)];
-        let (a, b) = (of(0), of(1));
+        let [a, b] = [Self::corners(simd, pairs, 0), Self::corners(simd, pairs, 1)];
         Self {
-            edges_a: edges(&a),
-            edges_b: edges(&b),
+            edges_a: Self::edges(&a),
+            edges_b: Self::edges(&b),
             a,
             b,
         }
+    }
+
+    /// The corners of the first or of the second triangles.
+    #[inline(always)]
+    fn corners(simd: S, pairs: &[[&SmallTriangle; 2]; 8], side: usize) -> [Points<S>; 3] {
+        [
+            gather(simd, pairs, |pair| pair[side].corner(0)),
+            gather(simd, pairs, |pair| pair[side].corner(1)),
+            gather(simd, pairs, |pair| pair[side].corner(2)),
+        ]
+    }
+
+    #[inline(always)]
+    fn edges([p, q, r]: &[Points<S>; 3]) -> [Points<S>; 3] {
+        [sub(*q, *p), sub(*r, *q), sub(*p, *r)]
     }
 
     /// Lower bounds of their distances, along the normals of both and the common perpendiculars of their edges. `pad`
@@ -327,20 +300,6 @@ impl<S: Simd> TwoTriangles<S> {
             gap = gap.max(length_along(apart, axis));
         }
         (gap - splat(simd, pad)).into()
-    }
-
-    /// Lanes whose triangles are farther apart than `most` along a common perpendicular of their edges.
-    #[inline(always)]
-    fn are_apart(&self, most: f32) -> u32 {
-        let simd = self.a[0][0].simd;
-        let square = splat(simd, most * most);
-        let mut apart = lanes(simd, 0);
-        for (i, j) in PAIRS_OF_EDGES {
-            let (gap, axis) = self.gap_of_edges(i, j);
-            let of_axis = dot(axis, axis);
-            apart |= (gap * gap.abs()).simd_gt(square * of_axis) & of_axis.simd_gt(splat(simd, f32::MIN_POSITIVE));
-        }
-        bitmask(apart)
     }
 
     /// The gap along the common perpendicular of edges `i` and `j`, times the length of that axis, and the axis.
@@ -384,10 +343,11 @@ mod tests {
     use super::*;
     use crate::simd::level::with_simd;
     use crate::testing::scenes::any_vector;
+    use glam::Vec3;
 
     /// A point of a triangle.
     fn point_of(triangle: &SmallTriangle, random: &mut fastrand::Rng) -> Vec3 {
-        let [p, q, r] = triangle.corners;
+        let [p, q, r] = triangle.points();
         let (s, t) = (random.f32(), random.f32());
         let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
         p + s * (q - p) + t * (r - p)
@@ -396,30 +356,19 @@ mod tests {
     #[test]
     fn no_points_of_two_triangles_are_nearer_than_their_gap() {
         let mut random = fastrand::Rng::with_seed(11);
-        let (mut apart, mut far, mut nearest) = (0, 0, f32::INFINITY);
+        let (mut apart, mut nearest) = (0, f32::INFINITY);
         for round in 0..500 {
             // Ever flatter ones, some without any area.
             let flat = [1.0, 1.0e-2, 1.0e-5, 0.0][round % 4];
             let mut triangle = || {
                 let [at, along, across] = [0; 3].map(|_| any_vector(&mut || random.f32()));
-                SmallTriangle {
-                    corners: [at, at + along, at + 0.5 * along + flat * across],
-                    ..SmallTriangle::default()
-                }
+                SmallTriangle::of_corners([at, at + along, at + 0.5 * along + flat * across])
             };
             let triangles: [[SmallTriangle; 2]; 8] = std::array::from_fn(|_| [triangle(), triangle()]);
             let both = triangles.each_ref().map(|[a, b]| [a, b]);
-            const MOST: f32 = 0.3;
-            let (gaps, lanes) = with_simd!(simd => {
-                let both = TwoTriangles::new(simd, &both);
-                (both.gaps(4.0e-6), both.are_apart(MOST + 4.0e-6))
-            });
-            for (lane, (gap, [a, b])) in gaps.into_iter().zip(both).enumerate() {
-                let is_apart = lanes >> lane & 1 == 1;
+            let gaps = with_simd!(simd => TwoTriangles::new(simd, &both).gaps(4.0e-6));
+            for (gap, [a, b]) in gaps.into_iter().zip(both) {
                 apart += u32::from(gap > 0.0);
-                far += u32::from(is_apart);
-                // The normals, which are not among the axes here, may separate more of them.
-                assert!(!is_apart || gap > MOST - 1.0e-5, "round {round}: {gap}");
                 for _ in 0..50 {
                     let distance = point_of(a, &mut random).distance(point_of(b, &mut random));
                     assert!(gap <= distance, "round {round}: {gap} for a distance of {distance}");
@@ -427,39 +376,29 @@ mod tests {
                 }
             }
         }
-        assert!(
-            apart > 1000 && far > 300 && nearest < 1.5,
-            "{apart} apart, {far} far, {nearest} times the gap"
-        );
+        assert!(apart > 1000 && nearest < 1.5, "{apart} apart, {nearest} times the gap");
     }
 
     #[test]
-    fn triangles_with_a_common_point_are_not_apart() {
+    fn triangles_with_a_common_point_have_no_gap() {
         let mut random = fastrand::Rng::with_seed(12);
         for round in 0..4000 {
             // From the same directions of edges to those that only rounding tells apart, and others.
             let turn = [0.0, 1.0e-7, 1.0e-6, 1.0e-5, 1.0e-3, 1.0][round % 6];
             let mut pair = || {
                 let [at, along, across, aside] = [0; 4].map(|_| any_vector(&mut || random.f32()));
-                let of_corners = |corners| SmallTriangle {
-                    corners,
-                    ..SmallTriangle::default()
-                };
+                let of_corners = SmallTriangle::of_corners;
                 let a = of_corners([at, at + along, at + across]);
                 let edge = (random.f32() + 0.2) * along + turn * any_vector(&mut || random.f32());
                 let b = of_corners([Vec3::ZERO, edge, aside]);
                 // Moved to where a point of one is a point of the other.
                 let way = point_of(&a, &mut random) - point_of(&b, &mut random);
-                [a, of_corners(b.corners.map(|corner| corner + way))]
+                [a, of_corners(b.points().map(|corner| corner + way))]
             };
             let triangles: [[SmallTriangle; 2]; 8] = std::array::from_fn(|_| pair());
             let both = triangles.each_ref().map(|[a, b]| [a, b]);
-            let (gaps, lanes) = with_simd!(simd => {
-                let both = TwoTriangles::new(simd, &both);
-                (both.gaps(4.0e-6), both.are_apart(4.0e-6))
-            });
+            let gaps = with_simd!(simd => TwoTriangles::new(simd, &both).gaps(4.0e-6));
             assert!(gaps.iter().all(|gap| *gap <= 0.0), "round {round}: {gaps:?}");
-            assert_eq!(lanes, 0, "round {round}");
         }
     }
 }

@@ -1,16 +1,20 @@
 //! Pairs of triangles that are near each other, by a traversal of both bounding-volume trees.
 
-use super::candidates::{CROSSING, NOT_LISTED, owned_features};
-use super::eight::{Narrowing, SmallPair, SmallTriangle};
+use super::boxed::BoxedPairs;
+use super::candidates::{NOT_LISTED, owned_features};
+use super::eight::{Narrowing, SmallPair, eight_of};
+use super::near_lanes::NearLanes;
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
 use super::search::{Limits, Search};
 use super::side::{Side, Triangle};
+use super::small_triangle::{EightTriangles, SmallTriangle};
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::descent::Descent;
-use crate::simd::lanes::{Simd, bits};
+use crate::simd::lanes::{Simd, bits, each_lane};
 use crate::simd::level::with_simd;
 use crate::simd::rounding::unit_of;
 use crate::simd::tree::{RelativePose, Tree};
+use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
 use std::ops::Range;
 
@@ -34,6 +38,8 @@ pub struct NearClusters {
     descent: Descent,
     /// Clusters of the second body, in the order of the traversal, and then some of earlier pairs.
     seconds: Vec<PlacedCluster>,
+    /// The triangles of those.
+    triangles: Vec<[SmallTriangle; CLUSTER]>,
     /// Number of clusters of the second body.
     second_count: usize,
     /// Number of pairs of clusters.
@@ -49,15 +55,21 @@ impl NearClusters {
     #[inline(always)]
     fn run_with<S: Simd>(&mut self, simd: S, sides: &[Side; 2], pose: &PairPose, search: &Search) {
         let limits = Limits::new(search, pose.size);
+        let mut within = ArrayVec::new();
+        if let Some(window) = &search.window {
+            within = window.boxes(limits.pad, unit_of(pose.size));
+        }
         let [tree_a, tree_b] = trees(simd, sides, pose, limits.reach);
-        self.descent.run(&tree_a, &tree_b);
+        self.descent.run(&tree_a.within(&within), &tree_b.within(&within));
         let transform = ClusterTransform::new(simd, sides, 1);
         self.second_count = self.descent.second().count();
         if self.seconds.len() < self.second_count {
             self.seconds.resize_with(self.second_count, PlacedCluster::default);
+            self.triangles.resize(self.second_count, Default::default());
         }
-        for (placed, cluster) in self.seconds.iter_mut().zip(self.descent.second()) {
-            placed.place(&sides[1], &transform, cluster, search, limits.pad);
+        let places = self.seconds.iter_mut().zip(&mut self.triangles);
+        for ((placed, triangles), cluster) in places.zip(self.descent.second()) {
+            placed.place(triangles, &sides[1], &transform, cluster, search, limits.pad);
         }
         self.count = self.descent.pairs().map(|(_, others)| others.len()).sum();
     }
@@ -83,23 +95,17 @@ impl NearClusters {
 /// Pairs of triangles that are near each other, and memory kept between pairs of bodies.
 #[derive(Default)]
 pub struct NearTriangles {
-    /// Triangles of the first and of the second body that are near a triangle of the other.
-    triangles: [Vec<SmallTriangle>; 2],
+    /// The near clusters of the first body.
+    firsts: Vec<[SmallTriangle; CLUSTER]>,
+    boxed: BoxedPairs,
     pairs: Vec<SmallPair>,
     narrowing: Narrowing,
-    /// For each of the second body's near clusters, the indices of its triangles in `triangles`, or [`NOT_LISTED`].
-    seconds_listed: Vec<[u32; CLUSTER]>,
-    /// Each of `triangles` in double precision, once it is needed.
+    /// Indices in other lists, or [`NOT_LISTED`].
+    listed: [Vec<u32>; 2],
+    /// The triangles of `pairs`.
+    numbers: [Vec<u32>; 2],
+    /// Each of `numbers` in double precision.
     placed: [Vec<Triangle>; 2],
-    uses: [Vec<Use>; 2],
-}
-
-/// What a triangle of near pairs is used for.
-#[derive(Clone, Copy)]
-struct Use {
-    is_placed: bool,
-    /// Its index in another list.
-    listed: u32,
 }
 
 impl NearTriangles {
@@ -121,59 +127,61 @@ impl NearTriangles {
         range: Range<usize>,
     ) {
         let Self {
-            triangles,
+            firsts,
+            boxed,
             pairs,
             narrowing,
-            seconds_listed,
+            listed,
+            numbers,
             ..
         } = self;
-        let [firsts, seconds] = triangles;
         firsts.clear();
-        seconds.clear();
+        boxed.clear();
         pairs.clear();
-        seconds_listed.clear();
-        seconds_listed.resize(clusters.second_count, [NOT_LISTED; CLUSTER]);
         let mut limits = Limits::new(search, size);
         // The normals of two-sided triangles may turn round.
         let one_sided = sides.iter().all(|side| side.features.one_sided.all());
         if !one_sided {
             (limits.lowest, limits.highest) = (-limits.reach, limits.reach);
         }
-        let crossing = if search.crossings { CROSSING } else { 0 };
         let transform = ClusterTransform::new(simd, sides, 0);
         let mut a = PlacedCluster::default();
         for (cluster, others) in clusters.descent.pairs().skip(range.start).take(range.len()) {
-            a.place(&sides[0], &transform, cluster, search, limits.pad);
+            let mut triangles = [SmallTriangle::default(); CLUSTER];
+            a.place(&mut triangles, &sides[0], &transform, cluster, search, limits.pad);
             if a.lanes == 0 {
                 continue;
             }
-            let mut firsts_listed = [NOT_LISTED; CLUSTER];
+            let first = (CLUSTER * firsts.len()) as u32;
+            firsts.push(triangles);
             for &other in others {
                 let b = &clusters.seconds[other as usize];
-                let listed = &mut seconds_listed[other as usize];
-                // All boxes first: processors mispredict the branches of one triangle after the other.
-                let (mut boxes, mut rows) = ([0; CLUSTER], 0);
-                for i in bits(a.lanes & a.near_box(simd, b, limits.reach)) {
-                    boxes[i] = a.near_boxes(simd, i, b, &limits);
-                    rows |= u32::from(boxes[i] != 0) << i;
-                }
-                for i in bits(rows) {
-                    let near = a.near(simd, i, b, boxes[i], &limits);
-                    for j in bits(near.any()) {
-                        let parts = near.parts(j) & (owned_features([a.owned[i], b.owned[j]]) | crossing);
-                        if parts != 0 {
-                            let first = index(&a, i, &mut firsts_listed[i], firsts);
-                            pairs.push(SmallPair {
-                                triangles: [first, index(b, j, &mut listed[j], seconds)],
-                                parts,
-                                gap: 0.0,
-                            });
-                        }
-                    }
-                }
+                a.add_near_boxes(simd, b, [first, CLUSTER as u32 * other], &limits, boxed);
+                boxed.take_if_full(
+                    #[inline(always)]
+                    |full| add_near(simd, [firsts, &clusters.triangles], full, search, &limits, pairs),
+                );
             }
         }
+        let triangles = [&firsts[..], &clusters.triangles[..clusters.second_count]];
+        add_near(simd, triangles, boxed.all(), search, &limits, pairs);
+        let triangles = triangles.map(<[_]>::as_flattened);
         narrowing.run(simd, triangles, pairs, one_sided, &limits);
+        // The pairs get the indices of their triangles in the lists of those that are left.
+        for (side, triangles) in triangles.into_iter().enumerate() {
+            let (listed, numbers) = (&mut listed[side], &mut numbers[side]);
+            listed.clear();
+            listed.resize(triangles.len(), NOT_LISTED);
+            numbers.clear();
+            for pair in pairs.iter_mut() {
+                let lane = pair.triangles[side] as usize;
+                if listed[lane] == NOT_LISTED {
+                    listed[lane] = numbers.len() as u32;
+                    numbers.push(triangles[lane].number);
+                }
+                pair.triangles[side] = listed[lane];
+            }
+        }
     }
 
     /// Calls `found` for each pair that [`NearTriangles::run`] found, in order, with both triangles. It also gets, for both,
@@ -184,47 +192,66 @@ impl NearTriangles {
         sides: &[Side; 2],
         mut found: impl FnMut([&Triangle; 2], SmallPair, [&mut u32; 2]),
     ) {
-        for side in 0..2 {
-            let count = self.triangles[side].len();
-            let unused = Use {
-                is_placed: false,
-                listed: NOT_LISTED,
-            };
-            self.uses[side].clear();
-            self.uses[side].resize(count, unused);
-            // Triangles that are not needed keep what is there.
-            self.placed[side].resize(count.max(self.placed[side].len()), Triangle::default());
+        for ((placed, listed), (numbers, side)) in self
+            .placed
+            .iter_mut()
+            .zip(&mut self.listed)
+            .zip(self.numbers.iter().zip(sides))
+        {
+            placed.clear();
+            placed.extend(numbers.iter().map(
+                #[inline(always)]
+                |&number| side.triangle(number),
+            ));
+            listed.clear();
+            listed.resize(numbers.len(), NOT_LISTED);
         }
-        let ([firsts, seconds], [uses_a, uses_b]) = (&mut self.placed, &mut self.uses);
+        let ([firsts, seconds], [listed_a, listed_b]) = (&self.placed, &mut self.listed);
         for &pair in &self.pairs {
             let [i, j] = pair.triangles;
             let (i, j) = (i as usize, j as usize);
-            let (a, b) = (&mut uses_a[i], &mut uses_b[j]);
-            if !a.is_placed {
-                (firsts[i], a.is_placed) = (sides[0].triangle(self.triangles[0][i].number), true);
-            }
-            if !b.is_placed {
-                (seconds[j], b.is_placed) = (sides[1].triangle(self.triangles[1][j].number), true);
-            }
-            found([&firsts[i], &seconds[j]], pair, [&mut a.listed, &mut b.listed]);
+            found([&firsts[i], &seconds[j]], pair, [&mut listed_a[i], &mut listed_b[j]]);
         }
     }
 
-    /// The triangles of both bodies in double precision, by their indices in pairs. Only those of pairs that
-    /// [`NearTriangles::for_each_pair`] passed are placed.
+    /// The triangles of both bodies in double precision, by their indices in pairs, once
+    /// [`NearTriangles::for_each_pair`] has placed them.
     pub fn placed(&self) -> [&[Triangle]; 2] {
         self.placed.each_ref().map(Vec::as_slice)
     }
 }
 
-/// The index of a cluster's triangle in a list, to which it is added if needed.
-#[inline]
-fn index(cluster: &PlacedCluster, lane: usize, listed: &mut u32, triangles: &mut Vec<SmallTriangle>) -> u32 {
-    if *listed == NOT_LISTED {
-        *listed = triangles.len() as u32;
-        triangles.push(cluster.triangle(lane));
+/// Adds those pairs of triangles that may have what is searched for.
+#[inline(always)]
+fn add_near<S: Simd>(
+    simd: S,
+    triangles: [&[[SmallTriangle; CLUSTER]]; 2],
+    boxed: &[[u32; 2]],
+    search: &Search,
+    limits: &Limits,
+    pairs: &mut Vec<SmallPair>,
+) {
+    let [firsts, seconds] = triangles.map(<[_]>::as_flattened);
+    for some in boxed.chunks(CLUSTER) {
+        let eight = eight_of(some);
+        let a = EightTriangles::gather(simd, each_lane(|lane| &firsts[eight[lane][0] as usize]));
+        let b = EightTriangles::gather(simd, each_lane(|lane| &seconds[eight[lane][1] as usize]));
+        let near = NearLanes::of([&a, &b], search.crossings, limits);
+        let used = (1u32 << some.len()) - 1;
+        let features = near.features();
+        for lane in bits((near.crossing | features) & used) {
+            let triangles = *eight[lane];
+            let [i, j] = triangles.map(|at| at as usize);
+            let mut parts = near.crossing_part(lane);
+            if features >> lane & 1 == 1 {
+                parts |= near.feature_parts(lane) & owned_features([firsts[i].owned, seconds[j].owned]);
+            }
+            if parts != 0 {
+                let gap = 0.0;
+                pairs.push(SmallPair { triangles, parts, gap });
+            }
+        }
     }
-    *listed
 }
 
 /// Both trees. Nodes that are no farther apart than `reach` count as touching.
@@ -259,12 +286,13 @@ pub(super) mod tests {
     use super::super::candidates::Candidates;
     use super::super::crossing::Crossings;
     use super::super::feature::{Feature, TrianglePair};
-    use super::super::pair::Pair;
+    use super::super::pair::{Pair, ROUNDING};
     use super::super::pair_of_bodies;
     use super::super::search::{Place, Slack, Window};
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
+    use crate::simd::level::baseline;
     use crate::state::{Bodies, Body};
     use crate::testing::scenes::any_vector;
     use glam::{DVec3, Quat};
@@ -272,10 +300,15 @@ pub(super) mod tests {
     /// The middles of features, in a certain order.
     type Middles = Vec<DVec3>;
 
+    /// All triangles of both bodies.
+    fn every_triangle(sides: &[Side; 2]) -> [Vec<Triangle>; 2] {
+        let count = |side: &Side| side.features.triangles.len() as u32;
+        [0, 1].map(|i| (0..count(&sides[i])).map(|t| sides[i].triangle(t)).collect())
+    }
+
     /// The features of all pairs of triangles.
     fn every_feature(sides: &[Side; 2], reach: f64) -> Middles {
-        let count = |side: &Side| side.features.triangles.len() as u32;
-        let all: [Vec<Triangle>; 2] = [0, 1].map(|i| (0..count(&sides[i])).map(|t| sides[i].triangle(t)).collect());
+        let all = every_triangle(sides);
         let mut every = Vec::new();
         for a in &all[0] {
             for b in &all[1] {
@@ -370,6 +403,46 @@ pub(super) mod tests {
             pairs += sides[0].features.triangles.len() * sides[1].features.triangles.len();
         });
         assert!(found > 200, "{found} features of {pairs} pairs");
+    }
+
+    /// The pairs of triangles that cross, of those that may.
+    fn crossing(pair: &Pair, may_cross: &Crossings, triangles: [&[Triangle]; 2]) -> Vec<[u32; 2]> {
+        let (mut segments, rounding) = (Vec::new(), ROUNDING * f64::from(pair.pose.size));
+        may_cross.segments(baseline(), &pair.sides, triangles, rounding, &mut segments);
+        let mut pairs: Vec<[u32; 2]> = segments.iter().map(|segment| segment.triangles).collect();
+        pairs.sort_unstable();
+        pairs
+    }
+
+    #[test]
+    fn no_crossing_is_lost() {
+        let mut crossings = 0;
+        random_pairs(400, |round, pair| {
+            let all = every_triangle(&pair.sides);
+            let mut every = Crossings::default();
+            for i in 0..all[0].len() as u32 {
+                (0..all[1].len() as u32).for_each(|j| every.push([i, j]));
+            }
+            let every = crossing(pair, &every, all.each_ref().map(Vec::as_slice));
+            for reach in [0.0, 0.05] {
+                let search = Search {
+                    range: -reach..=reach,
+                    reach,
+                    slack: Slack::default(),
+                    crossings: true,
+                    window: None,
+                };
+                let mut clusters = NearClusters::default();
+                let (mut near, mut candidates) = (NearTriangles::default(), Candidates::default());
+                clusters.run(&pair.sides, &pair.pose, &search);
+                near.run(&pair.sides, pair.pose.size, &search, &clusters, 0..usize::MAX);
+                let mut found = Crossings::default();
+                candidates.select(&mut near, &pair.sides, &search, &mut found, |_, _| ());
+                assert_eq!(every, crossing(pair, &found, near.placed()), "round {round}");
+            }
+            crossings += every.len();
+        });
+        assert!(crossings > 5000, "{crossings}");
     }
 
     /// The features of a search.

@@ -3,6 +3,7 @@
 use super::placed_cluster::{AROUND_ERROR, DIRECTION_ERROR};
 use crate::geometry::Aabb;
 use crate::simd::rounding::PAD;
+use arrayvec::ArrayVec;
 use glam::Vec3;
 use std::ops::RangeInclusive;
 
@@ -73,7 +74,7 @@ pub struct Place {
 }
 
 /// Places of a window. Where there are more, one ball holds them all.
-const MAX_PLACES: usize = 4;
+pub const MAX_PLACES: usize = 4;
 /// Places whose normals differ by more, as a chord, do not find the same features.
 const MAX_TURN: f32 = 0.2;
 /// Allowance for the rounding of normals, as a chord.
@@ -111,6 +112,15 @@ impl Window {
         &self.places[..self.count]
     }
 
+    /// Boxes around the places, wider by `pad` for rounding, in a unit of length with so many units per metre.
+    pub fn boxes(&self, pad: f32, unit: f32) -> ArrayVec<Aabb, MAX_PLACES> {
+        let around = |place: &Place| {
+            let half = Vec3::splat(place.reach(pad));
+            Aabb::around([place.center - half, place.center + half].map(|p| unit * p))
+        };
+        self.places().iter().map(around).collect()
+    }
+
     /// Whether what `other` finds includes the features of this window.
     pub fn is_within(&self, other: &Self) -> bool {
         let is_found = |place: &Place| other.places().iter().any(|other| place.is_within(other));
@@ -134,6 +144,12 @@ impl Window {
 }
 
 impl Place {
+    /// The radius with allowances for rounding; `pad` is that of positions.
+    #[inline(always)]
+    pub fn reach(&self, pad: f32) -> f32 {
+        AROUND_ERROR * self.radius + pad
+    }
+
     /// A ball around all of these.
     fn around(all: impl Iterator<Item = Self> + Clone) -> Self {
         let bounds = all.clone().fold(Aabb::EMPTY, |bounds, place| {

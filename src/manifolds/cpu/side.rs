@@ -3,9 +3,8 @@
 use super::feature::ARC;
 use crate::asset::CollisionMesh;
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
-use crate::simd::lanes::{each, each_lane};
+use crate::simd::lanes::{Simd, SimdBase, SimdFrom, each, each_lane, f32x8, splat};
 use crate::state::PlacedMesh;
-use crate::state::mesh_arena::Stored;
 use crate::state::pairs::DEFAULT_DIRECTION;
 use glam::{DMat3, DVec3, Vec3};
 
@@ -96,6 +95,16 @@ fn nudge(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
     }
 }
 
+/// Eight elements of a list from `first` on, and `beyond` after its end.
+#[inline(always)]
+fn eight_from<T: Copy>(list: &[T], first: u32, beyond: T) -> [T; 8] {
+    let list = &list[first as usize..];
+    match list.first_chunk() {
+        Some(eight) => *eight,
+        None => each_lane(|lane| list.get(lane).copied().unwrap_or(beyond)),
+    }
+}
+
 impl Side<'_> {
     /// Places a vertex of [`MeshFeatures`].
     #[inline(always)]
@@ -158,16 +167,22 @@ impl Side<'_> {
     /// For eight triangles from `first` on, the largest angle between a triangle's normal and a contact normal at an
     /// edge that it owns, radians.
     #[inline(always)]
-    pub fn edge_normal_rotations(&self, first: u32) -> Stored {
+    pub fn edge_normal_rotations<S: Simd>(&self, simd: S, first: u32) -> f32x8<S> {
+        let any = splat(simd, ANY_NORMAL);
         // Non-uniform scales change angles.
         let scale = self.scale.abs();
-        let is_uniform = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
-        let rotations = &self.features.edge_normal_rotations[first as usize..];
-        let slack = ARC_SLACK as f32 * ARC as f32;
-        Stored(each_lane(|lane| match rotations.get(lane) {
-            Some(rotation) if is_uniform && rotation + slack < ANY_NORMAL => rotation + slack,
-            _ => ANY_NORMAL,
-        }))
+        if scale.max_element() > scale.min_element() * (1.0 + 1.0e-6) {
+            return any;
+        }
+        let rotations = eight_from(&self.features.edge_normal_rotations, first, ANY_NORMAL);
+        let wider = f32x8::simd_from(simd, rotations) + splat(simd, ARC_SLACK as f32 * ARC as f32);
+        wider.min(any)
+    }
+
+    /// What eight triangles from `first` on own, see [`MeshFeatures::owned`].
+    #[inline(always)]
+    pub fn owned(&self, first: u32) -> [u32; 8] {
+        eight_from(&self.features.owned, first, 0)
     }
 
     /// Normal of a triangle, in the precision of the baked normals.
