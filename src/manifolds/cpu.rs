@@ -12,6 +12,7 @@ mod kept;
 mod kept_pairs;
 mod moved;
 mod near;
+mod near_clusters;
 mod near_lanes;
 pub(super) mod pair;
 pub(super) mod placed_cluster;

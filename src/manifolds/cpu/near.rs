@@ -1,96 +1,18 @@
-//! Pairs of triangles that are near each other, by a traversal of both bounding-volume trees.
+//! Pairs of triangles that are near each other, of pairs of clusters that are.
 
 use super::boxed::BoxedPairs;
 use super::candidates::{NOT_LISTED, owned_features};
 use super::eight::{Narrowing, SmallPair, eight_of};
+use super::near_clusters::NearClusters;
 use super::near_lanes::NearLanes;
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
 use super::search::{Limits, Search};
 use super::side::{Side, Triangle};
 use super::small_triangle::{EightTriangles, SmallTriangle};
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::descent::Descent;
 use crate::simd::lanes::{Simd, bits, each_lane};
 use crate::simd::level::with_simd;
-use crate::simd::rounding::unit_of;
-use crate::simd::tree::{RelativePose, Tree};
-use arrayvec::ArrayVec;
-use glam::{Mat3, Vec3};
 use std::ops::Range;
-
-/// Slabs are tested only for meshes of more clusters than this: the nodes of coarser ones are too round for slabs to
-/// pay off.
-const MAX_COARSE_CLUSTERS: usize = 300;
-
-/// The relative pose of a pair in single precision.
-pub struct PairPose {
-    /// Rotation from the second body's axes to the first's.
-    pub rotation: Mat3,
-    /// From the first body's centre of mass to the second's, in the first's axes, metres.
-    pub translation: Vec3,
-    /// Sum of the bounding radii, metres.
-    pub size: f32,
-}
-
-/// Pairs of clusters that are near each other, and memory kept between pairs of bodies.
-#[derive(Default)]
-pub struct NearClusters {
-    descent: Descent,
-    /// Clusters of the second body, in the order of the traversal, and then some of earlier pairs.
-    seconds: Vec<PlacedCluster>,
-    /// The triangles of those.
-    triangles: Vec<[SmallTriangle; CLUSTER]>,
-    /// Number of clusters of the second body.
-    second_count: usize,
-    /// Number of pairs of clusters.
-    count: usize,
-}
-
-impl NearClusters {
-    /// Finds all pairs of clusters that may hold a pair of triangles to search for, and some others.
-    pub fn run(&mut self, sides: &[Side; 2], pose: &PairPose, search: &Search) {
-        with_simd!(simd => self.run_with(simd, sides, pose, search));
-    }
-
-    #[inline(always)]
-    fn run_with<S: Simd>(&mut self, simd: S, sides: &[Side; 2], pose: &PairPose, search: &Search) {
-        let limits = Limits::new(search, pose.size);
-        let mut within = ArrayVec::new();
-        if let Some(window) = &search.window {
-            within = window.boxes(limits.pad, unit_of(pose.size));
-        }
-        let [tree_a, tree_b] = trees(simd, sides, pose, limits.reach);
-        self.descent.run(&tree_a.within(&within), &tree_b.within(&within));
-        let transform = ClusterTransform::new(simd, sides, 1);
-        self.second_count = self.descent.second().count();
-        if self.seconds.len() < self.second_count {
-            self.seconds.resize_with(self.second_count, PlacedCluster::default);
-            self.triangles.resize(self.second_count, Default::default());
-        }
-        let places = self.seconds.iter_mut().zip(&mut self.triangles);
-        for ((placed, triangles), cluster) in places.zip(self.descent.second()) {
-            placed.place(triangles, &sides[1], &transform, cluster, search, limits.pad);
-        }
-        self.count = self.descent.pairs().map(|(_, others)| others.len()).sum();
-    }
-
-    /// Number of pairs of clusters.
-    pub fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Splits the clusters of the first body into so many consecutive ranges, with about equally many pairs each.
-    pub fn split(&self, shares: usize, mut share: impl FnMut(Range<usize>)) {
-        let (mut first, mut passed, mut done) = (0, 0, 0);
-        for (end, (_, others)) in (1..).zip(self.descent.pairs()) {
-            passed += others.len();
-            if passed * shares >= self.count * (done + 1) {
-                share(first..end);
-                (first, done) = (end, done + 1);
-            }
-        }
-    }
-}
 
 /// Pairs of triangles that are near each other, and memory kept between pairs of bodies.
 #[derive(Default)]
@@ -146,7 +68,8 @@ impl NearTriangles {
         }
         let transform = ClusterTransform::new(simd, sides, 0);
         let mut a = PlacedCluster::default();
-        for (cluster, others) in clusters.descent.pairs().skip(range.start).take(range.len()) {
+        let (seconds, triangles_b) = (clusters.seconds(), clusters.triangles());
+        for (cluster, others) in clusters.pairs(range) {
             let mut triangles = [SmallTriangle::default(); CLUSTER];
             a.place(&mut triangles, &sides[0], &transform, cluster, search, limits.pad);
             if a.lanes == 0 {
@@ -155,15 +78,15 @@ impl NearTriangles {
             let first = (CLUSTER * firsts.len()) as u32;
             firsts.push(triangles);
             for &other in others {
-                let b = &clusters.seconds[other as usize];
+                let b = &seconds[other as usize];
                 a.add_near_boxes(simd, b, [first, CLUSTER as u32 * other], &limits, boxed);
                 boxed.take_if_full(
                     #[inline(always)]
-                    |full| add_near(simd, [firsts, &clusters.triangles], full, search, &limits, pairs),
+                    |full| add_near(simd, [firsts, triangles_b], full, search, &limits, pairs),
                 );
             }
         }
-        let triangles = [&firsts[..], &clusters.triangles[..clusters.second_count]];
+        let triangles = [&firsts[..], triangles_b];
         add_near(simd, triangles, boxed.all(), search, &limits, pairs);
         let triangles = triangles.map(<[_]>::as_flattened);
         narrowing.run(simd, triangles, pairs, one_sided, &limits);
@@ -254,33 +177,6 @@ fn add_near<S: Simd>(
     }
 }
 
-/// Both trees. Nodes that are no farther apart than `reach` count as touching.
-#[inline(always)]
-fn trees<'a, S: Simd>(simd: S, sides: &[Side<'a>; 2], pose: &PairPose, reach: f32) -> [Tree<'a, S>; 2] {
-    let unit = unit_of(pose.size);
-    let clusters = sides.each_ref().map(|side| side.mesh.lanes().clusters.len());
-    let slabs = clusters[0].max(clusters[1]) > MAX_COARSE_CLUSTERS;
-    let back = pose.rotation.transpose();
-    let relative = |rotation: Mat3, translation: Vec3| RelativePose {
-        rotation,
-        translation: unit * translation,
-        // No support axis is used here.
-        axis: Vec3::ZERO,
-        min_height: f32::NEG_INFINITY,
-    };
-    let (a, b) = (
-        relative(back, -(back * pose.translation)),
-        relative(pose.rotation, pose.translation),
-    );
-    let lanes = sides.each_ref().map(|side| side.mesh.lanes());
-    let scales = sides.each_ref().map(|side| unit * side.scale);
-    let pad = unit * reach;
-    [
-        Tree::new(simd, lanes[0], false, scales[0], a, pad, slabs),
-        Tree::new(simd, lanes[1], true, scales[1], b, pad, slabs),
-    ]
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::candidates::Candidates;
@@ -295,7 +191,7 @@ pub(super) mod tests {
     use crate::simd::level::baseline;
     use crate::state::{Bodies, Body};
     use crate::testing::scenes::any_vector;
-    use glam::{DVec3, Quat};
+    use glam::{DVec3, Quat, Vec3};
 
     /// The middles of features, in a certain order.
     type Middles = Vec<DVec3>;

@@ -5,7 +5,7 @@ use super::crossing::Segment;
 use super::feature::{Feature, Origin};
 use super::inside;
 use super::kept::{Kept, Source};
-use super::near::PairPose;
+use super::near_clusters::PairPose;
 use super::ray::exit;
 use super::reduce::Reduction;
 use super::search::Wanted;
