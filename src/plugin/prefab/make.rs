@@ -158,8 +158,8 @@ fn make(
             }
             making.changed = false;
             let is_known = |error: &PrefabError| making.told.contains(&error.to_string());
-            making.done =
-                !is_first && plan.parts.is_empty() && plan.bodies.is_empty() && plan.errors.iter().all(is_known);
+            let makes_nothing = plan.parts.is_empty() && plan.bodies.is_empty() && plan.unwanted.is_empty();
+            making.done = !is_first && makes_nothing && plan.errors.iter().all(is_known);
             (making.parts, making.bodies, making.errors) = (plan.parts, plan.bodies, plan.errors);
         }
         if making.changed || making.done {

@@ -57,6 +57,13 @@ fn settings_by_name() {
     let told = ready_again(&mut sim, root, 2);
     assert_eq!(told.colliders, [b, c]);
     assert!(!has::<MeshCollider>(&sim, a) && !has::<Density>(&sim, b) && has::<Friction>(&sim, b));
+
+    // A collider that goes is a change, too.
+    let hierarchy = sim.get::<MeshColliderHierarchy>(root).without_collider_for_name("C");
+    sim.set(root, hierarchy);
+    let told = ready_again(&mut sim, root, 3);
+    assert!(told.colliders.is_empty() && told.errors.is_empty());
+    assert!(!has::<MeshCollider>(&sim, c) && has::<MeshCollider>(&sim, b));
 }
 
 #[test]
