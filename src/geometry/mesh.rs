@@ -244,8 +244,14 @@ impl TriMesh {
     }
 
     /// The corner positions of triangle `t`.
+    #[inline(always)]
     pub fn corners(&self, t: usize) -> [Vec3; 3] {
-        self.triangles[t].map(|v| self.vertices[v as usize])
+        let [u, v, w] = self.triangles[t];
+        [
+            self.vertices[u as usize],
+            self.vertices[v as usize],
+            self.vertices[w as usize],
+        ]
     }
 
     /// Reads triangle `t`, so that it and its neighbours are soon in the cache. The processor goes on meanwhile.

@@ -116,7 +116,7 @@ impl<'a> Placed<'a> {
             let held = splat(simd, 0.0).simd_le(stored[0]);
             bitmask((beyond(0) | beyond(1) | beyond(2)) & held)
         };
-        visit(&lanes.levels, &grows, &mut |cluster| {
+        visit(&lanes.levels, grows, |cluster| {
             let first = cluster as usize * CLUSTER;
             let [mut low, mut high] = found.get();
             for t in first..self.mesh.mesh.triangles().len().min(first + CLUSTER) {

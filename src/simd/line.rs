@@ -15,11 +15,17 @@ pub fn may_meet<S: Simd>(simd: S, cluster: &Cluster, start: DVec3, way: DVec3) -
     let apart = start - cluster.origin.as_dvec3();
     let from = splat_point(simd, (apart - way * apart.dot(way)).as_vec3());
     let way = splat_point(simd, way.as_vec3());
-    let corners = each(|k| sub(load_points(simd, &cluster.corners[k]), from));
-    let volumes = each(|k| dot(way, cross(corners[k], corners[(k + 1) % 3])));
+    let corners = each(
+        #[inline(always)]
+        |k| sub(load_points(simd, &cluster.corners[k]), from),
+    );
+    let volumes = each(
+        #[inline(always)]
+        |k| dot(way, cross(corners[k], corners[(k + 1) % 3])),
+    );
     // Positions are rounded relative to the cluster. A corner near the line is no more precise than the others, and the
     // exact test has a tolerance.
-    let size = largest(each(|k| norm1(corners[k]))) + norm1(from);
+    let size = largest([norm1(corners[0]), norm1(corners[1]), norm1(corners[2])]) + norm1(from);
     let error = size * size * splat(simd, ERROR);
     let (left, right) = (all_le([-error; 3], volumes), all_le(volumes, [error; 3]));
     bitmask(left | right) & cluster.lanes

@@ -230,6 +230,6 @@ impl Sweep {
             };
             near(0) & near(1) & near(2)
         };
-        !visit(&slot.lanes.levels, &overlaps, &mut |_| false)
+        !visit(&slot.lanes.levels, overlaps, |_| false)
     }
 }

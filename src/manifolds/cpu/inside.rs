@@ -105,7 +105,7 @@ fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
         let near = dot(outside, outside).simd_le(splat(simd, best.get().0 as f32 * 1.000_01));
         bitmask(near & splat(simd, 0.0).simd_le(half[0]))
     };
-    visit(&lanes.levels, &met, &mut |cluster| {
+    visit(&lanes.levels, met, |cluster| {
         let first = cluster as usize * CLUSTER;
         for t in first..mesh.triangles().len().min(first + CLUSTER) {
             let corners = side.features.triangles[t].map(|v| side.vertex(v));

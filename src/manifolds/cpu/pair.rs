@@ -6,7 +6,7 @@ use super::feature::{Feature, Origin};
 use super::inside;
 use super::kept::{Kept, Source};
 use super::near_clusters::PairPose;
-use super::ray::exit;
+use super::ray::exits;
 use super::reduce::Reduction;
 use super::search::Wanted;
 use super::shares::Shares;
@@ -15,6 +15,7 @@ use super::smooth;
 use crate::manifolds::ManifoldPoint;
 use crate::state::PlacedMesh;
 use glam::{DMat3, DVec3};
+use std::array;
 
 /// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays. The search for features takes
 /// time with the depth: with 0.04 in place of 0.025, contact points of knots take a sixth more.
@@ -126,7 +127,7 @@ impl Worker {
         let most = MAX_DEPTH * size;
         middles.clear();
         for patch in &mut contours.patches {
-            let middle = probe(sides, patch, patch.center, *size);
+            let [middle] = probes(sides, patch, [patch.center], *size);
             patch.too_deep = middle.as_ref().is_some_and(|probe| -probe.separation > most);
             middles.push(middle);
         }
@@ -158,8 +159,10 @@ impl Worker {
                 features.extend(probe.map(|probe| probe.feature(patch, p, Origin::Patch { place, number })));
             };
             add(0, patch.center, middle.as_ref());
-            for (place, p) in (1..).zip(patch.outer_places(&contours.segments)) {
-                add(place, p, probe(sides, patch, p, *size).as_ref());
+            let places = patch.outer_places(&contours.segments);
+            let outer = probes(sides, patch, places, *size);
+            for (place, (p, probe)) in (1..).zip(places.into_iter().zip(&outer)) {
+                add(place, p, probe.as_ref());
             }
             if features.len() == before {
                 features.extend(shallow(&contours.segments, patch, *size, number));
@@ -185,18 +188,23 @@ struct Probe {
     separation: f64,
 }
 
-/// Casts rays along a patch's normal through `p`; `None` unless both leave a body. They start slightly before `p`: a contour
-/// around a part that protrudes through a flat face lies in that face, and rounding may put `p` outside.
-fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64) -> Option<Probe> {
+/// Casts rays along a patch's normal through each of `places`; `None` unless both leave a body. They start slightly before it:
+/// a contour around a part that protrudes through a flat face lies in that face, and rounding may put the place outside.
+fn probes<const N: usize>(sides: &[Side; 2], patch: &Patch, places: [DVec3; N], size: f64) -> [Option<Probe>; N] {
     let (n, back) = (patch.normal, TOUCH * size);
     let most = RAY_LENGTH * size + back;
-    let (up, a) = exit(&sides[0], p - n * back, n, most)?;
-    let (down, b) = exit(&sides[1], p + n * back, -n, most)?;
-    let (up, down) = (up - back, down - back);
-    Some(Probe {
-        ways: [up, down],
-        triangles: [a, b],
-        separation: -(up + down),
+    let ups = exits(&sides[0], places.map(|p| Some(p - n * back)), n, most);
+    // Where the first ray hits nothing, the second is of no use.
+    let starts: [_; N] = array::from_fn(|i| ups[i].map(|_| places[i] + n * back));
+    let downs = exits(&sides[1], starts, -n, most);
+    array::from_fn(|i| {
+        let ((up, a), (down, b)) = (ups[i]?, downs[i]?);
+        let (up, down) = (up - back, down - back);
+        Some(Probe {
+            ways: [up, down],
+            triangles: [a, b],
+            separation: -(up + down),
+        })
     })
 }
 

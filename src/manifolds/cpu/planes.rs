@@ -131,7 +131,7 @@ fn manifold(
     };
     let lanes = &meshes[bodies.mesh[body]].lanes;
     vertices.clear();
-    visit(&lanes.vertex_levels, &reaches, &mut |group| {
+    visit(&lanes.vertex_levels, reaches, |group| {
         let (eight, held) = &lanes.vertices[group as usize];
         let heights = dot(load_points(simd, eight), direction);
         for lane in bits(*held) {

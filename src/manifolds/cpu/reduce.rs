@@ -16,7 +16,8 @@ pub(crate) const MIN_WEIGHT: f64 = 0.01;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Reduction {
-    distances: Vec<f64>,
+    /// Of each feature, the distance from those selected, and a weight that falls with the depth below the deepest.
+    ranks: Vec<(f64, f64)>,
     chosen: Vec<Feature>,
 }
 
@@ -28,23 +29,25 @@ impl Reduction {
         let Some(deepest) = features.first() else {
             return &self.chosen;
         };
-        self.distances.clear();
-        self.distances.resize(features.len(), f64::INFINITY);
+        self.ranks.clear();
+        self.ranks.extend(features.iter().map(|feature| {
+            let shallower = (feature.separation - deepest.separation) / (DEPTH_SCALE * size);
+            (f64::INFINITY, (-shallower).exp().max(MIN_WEIGHT))
+        }));
         let mut next = Some(0);
         while let Some(index) = next.filter(|_| self.chosen.len() < MAX_POINTS) {
             let last = features[index];
             self.chosen.push(last);
             let mut best = 0.0;
             next = None;
-            for (i, (feature, distance)) in features.iter().zip(&mut self.distances).enumerate() {
+            for (i, (feature, (distance, weight))) in features.iter().zip(&mut self.ranks).enumerate() {
                 let apart = feature.points[0].distance_squared(last.points[0]) / (size * size)
                     + NORMAL_WEIGHT * feature.normal.distance_squared(last.normal);
                 *distance = distance.min(apart);
                 if *distance <= DUPLICATE {
                     continue;
                 }
-                let shallower = (feature.separation - deepest.separation) / (DEPTH_SCALE * size);
-                let weighted = *distance * (-shallower).exp().max(MIN_WEIGHT);
+                let weighted = *distance * *weight;
                 if weighted > best {
                     best = weighted;
                     next = Some(i);

@@ -42,7 +42,7 @@ fn any_inside(inner: &PlacedMesh, outer: &PlacedMesh, rotation: Mat3, translatio
     };
     let (mesh, lanes) = (&inner.mesh.mesh, inner.mesh.lanes());
     let to_outer = outer.frame.rotation.transpose();
-    let none = visit(&lanes.component_levels, &boxed, &mut |run| {
+    let none = visit(&lanes.component_levels, boxed, |run| {
         let first = run as usize * CLUSTER;
         !lanes.components[first..lanes.components.len().min(first + CLUSTER)]
             .iter()
@@ -75,7 +75,7 @@ pub fn contains(baked: &CollisionMesh, p: DVec3) -> bool {
     };
     let mut winding = 0i32;
     let mut crossings = 0u32;
-    visit(&lanes.levels, &met, &mut |cluster| {
+    visit(&lanes.levels, met, |cluster| {
         let first = cluster as usize * CLUSTER;
         for t in first..mesh.triangles().len().min(first + CLUSTER) {
             let corners = mesh.welded_corners(t).map(|v| v.as_dvec3() - p);
@@ -87,7 +87,7 @@ pub fn contains(baked: &CollisionMesh, p: DVec3) -> bool {
         true
     });
     if !mesh.caps().is_empty() {
-        visit(&lanes.cap_levels, &met, &mut |run| {
+        visit(&lanes.cap_levels, met, |run| {
             let first = run as usize * CLUSTER;
             let caps = &mesh.caps()[first..mesh.caps().len().min(first + CLUSTER)];
             let crossings = caps.iter().filter_map(|cap| crossing(&cap.map(|v| v.as_dvec3() - p)));

@@ -61,7 +61,7 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
         let lowest = dot(center, direction) - dot(half, size);
         bitmask(lowest.simd_lt(limit))
     };
-    visit(&lanes.vertex_levels, &reaches, &mut |group| {
+    visit(&lanes.vertex_levels, reaches, |group| {
         let (vertices, lanes) = &lanes.vertices[group as usize];
         let heights = dot(load_points(simd, vertices), direction);
         for lane in bits(*lanes) {
