@@ -4,7 +4,7 @@
 //! of the first tree, a list of the nodes of the second tree that may touch it. The number of visited nodes grows with
 //! the size of the contact and with the height of the trees.
 
-use super::lanes::{Simd, bits};
+use super::lanes::{Simd, bits, each_lane, push_some, set_lanes};
 use super::tree::{Group, Node, Tree};
 
 /// The result of a traversal. It is reused from pair to pair to avoid allocations.
@@ -23,8 +23,15 @@ pub struct Descent {
     masks: Vec<u32>,
     /// For each of `nodes`, its index in `groups`.
     group_of_node: Vec<u32>,
-    /// The children of a node, and the index of each child in `next_nodes`.
-    groups: Vec<(Group, [u32; 8])>,
+    groups: Vec<Opened>,
+}
+
+/// The children of a node of the second tree.
+struct Opened {
+    group: Group,
+    /// Lanes of the children that are in `next_nodes`, and their indices there.
+    listed: u32,
+    children: [u32; 8],
 }
 
 struct Entry {
@@ -127,17 +134,25 @@ impl Descent {
                 let index = &mut self.group_of_node[at as usize];
                 if *index == NONE {
                     *index = self.groups.len() as u32;
-                    self.groups.push((tree.children(level, number), [NONE; 8]));
+                    self.groups.push(Opened {
+                        group: tree.children(level, number),
+                        listed: 0,
+                        children: [NONE; 8],
+                    });
                 }
-                let (group, children) = &mut self.groups[*index as usize];
-                for lane in bits(tree.met_by(&entry.node, group)) {
-                    let child = &mut children[lane];
-                    if *child == NONE {
-                        *child = self.next_nodes.len() as u32;
-                        self.next_nodes.push(group.node(number, lane));
-                    }
-                    self.next_list.push(*child);
+                let Opened {
+                    group,
+                    listed,
+                    children,
+                } = &mut self.groups[*index as usize];
+                let met = tree.met_by(&entry.node, group);
+                for lane in bits(met & !*listed) {
+                    children[lane] = self.next_nodes.len() as u32;
+                    self.next_nodes.push(group.node(number, lane));
                 }
+                *listed |= met;
+                let lanes = set_lanes(met);
+                push_some(&mut self.next_list, each_lane(|k| children[lanes[k] as usize]), met);
             }
             let end = self.next_list.len() as u32;
             if end > first {

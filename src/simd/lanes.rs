@@ -320,3 +320,51 @@ pub fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
         })
     })
 }
+
+/// The lanes of each set of lanes, ascending, and then others.
+const SET_LANES: [[u8; 8]; 256] = {
+    let mut all = [[0; 8]; 256];
+    let mut set = 0;
+    while set < all.len() {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if set >> lane & 1 == 1 {
+                all[set][count] = lane as u8;
+                count += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    all
+};
+
+/// The lanes whose bits are set, ascending, and then others.
+#[inline(always)]
+pub fn set_lanes(mask: u32) -> &'static [u8; 8] {
+    &SET_LANES[mask as usize % SET_LANES.len()]
+}
+
+/// Appends the first of these, as many as `mask` has lanes. It has no branches, which processors would mispredict.
+#[inline(always)]
+pub fn push_some<T: Copy>(list: &mut Vec<T>, eight: [T; 8], mask: u32) {
+    let count = list.len() + mask.count_ones() as usize;
+    list.extend_from_slice(&eight);
+    list.truncate(count);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lanes_of_every_mask_are_appended_in_order() {
+        let mut list = vec![9];
+        for mask in 0..256 {
+            let before = list.len();
+            push_some(&mut list, *set_lanes(mask), mask);
+            assert!(list[before..].iter().map(|lane| usize::from(*lane)).eq(bits(mask)));
+        }
+        assert_eq!(list.len(), 1 + 256 * 4);
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::boxed::BoxedPairs;
 use super::candidates::{NOT_LISTED, owned_features};
-use super::eight::{Narrowing, SmallPair, eight_of};
+use super::eight::{Narrowing, SmallPair};
 use super::near_clusters::NearClusters;
 use super::near_lanes::NearLanes;
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
@@ -155,15 +155,20 @@ fn add_near<S: Simd>(
     pairs: &mut Vec<SmallPair>,
 ) {
     let [firsts, seconds] = triangles.map(<[_]>::as_flattened);
-    for some in boxed.chunks(CLUSTER) {
-        let eight = eight_of(some);
+    let (groups, rest) = boxed.as_chunks();
+    // The last pair fills up the lanes.
+    let last = rest
+        .last()
+        .map(|last| each_lane(|lane| *rest.get(lane).unwrap_or(last)));
+    for (number, eight) in groups.iter().chain(&last).enumerate() {
         let a = EightTriangles::gather(simd, each_lane(|lane| &firsts[eight[lane][0] as usize]));
         let b = EightTriangles::gather(simd, each_lane(|lane| &seconds[eight[lane][1] as usize]));
         let near = NearLanes::of([&a, &b], search.crossings, limits);
-        let used = (1u32 << some.len()) - 1;
+        let count = CLUSTER.min(boxed.len() - CLUSTER * number);
+        let used = (1u32 << count) - 1;
         let features = near.features();
         for lane in bits((near.crossing | features) & used) {
-            let triangles = *eight[lane];
+            let triangles = eight[lane];
             let [i, j] = triangles.map(|at| at as usize);
             let mut parts = near.crossing_part(lane);
             if features >> lane & 1 == 1 {

@@ -88,10 +88,9 @@ impl Worker {
                 0
             }
         };
-        features.clear();
-        features.extend(shares.features());
+        shares.features(features);
         contours.clear();
-        contours.segments.extend(shares.segments());
+        shares.segments(&mut contours.segments);
         if contours.segments.is_empty() {
             // Without a crossing on the way, nothing has got inside since the search.
             let has_not_crossed = !kept.near.may_cross(fraction);
@@ -144,8 +143,7 @@ impl Worker {
             shares.find(pair, &wanted, &mut kept.deep, threads, |feature| {
                 contours.admits(feature, true)
             });
-            deep.clear();
-            deep.extend(shares.features());
+            shares.features(deep);
             keep_shallowest(deep);
             deep.iter().for_each(|feature| contours.keep(feature));
             features.append(deep);

@@ -77,14 +77,20 @@ impl Shares {
         source
     }
 
-    /// The features that were found, in order.
-    pub fn features(&self) -> impl Iterator<Item = &Feature> {
-        self.shares[..self.count].iter().flat_map(|share| &share.features)
+    /// Writes the features that were found, in order.
+    pub fn features(&self, to: &mut Vec<Feature>) {
+        to.clear();
+        for share in &self.shares[..self.count] {
+            to.extend_from_slice(&share.features);
+        }
     }
 
-    /// The segments that were found, in order.
-    pub fn segments(&self) -> impl Iterator<Item = &Segment> {
-        self.shares[..self.count].iter().flat_map(|share| &share.segments)
+    /// Writes the segments that were found, in order.
+    pub fn segments(&self, to: &mut Vec<Segment>) {
+        to.clear();
+        for share in &self.shares[..self.count] {
+            to.extend_from_slice(&share.segments);
+        }
     }
 
     /// Splits the near clusters into shares.
