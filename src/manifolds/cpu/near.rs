@@ -10,7 +10,7 @@ use super::search::{Limits, Search};
 use super::side::{Side, Triangle};
 use super::small_triangle::{EightTriangles, SmallTriangle};
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::{Simd, bits, each_lane};
+use crate::simd::lanes::{Simd, bits, each_lane, push_some, set_lanes};
 use crate::simd::level::with_simd;
 use std::ops::Range;
 
@@ -19,6 +19,9 @@ use std::ops::Range;
 pub struct NearTriangles {
     /// The near clusters of the first body.
     firsts: Vec<[SmallTriangle; CLUSTER]>,
+    /// Clusters of the second body, each with a lane of a cluster of the first that may be near: eight times the index of the
+    /// cluster plus the lane.
+    rows: Vec<u32>,
     boxed: BoxedPairs,
     pairs: Vec<SmallPair>,
     narrowing: Narrowing,
@@ -50,6 +53,7 @@ impl NearTriangles {
     ) {
         let Self {
             firsts,
+            rows,
             boxed,
             pairs,
             narrowing,
@@ -77,9 +81,17 @@ impl NearTriangles {
             }
             let first = (CLUSTER * firsts.len()) as u32;
             firsts.push(triangles);
+            // First the triangles that may be near any of a cluster, in a loop without branches, too.
+            rows.clear();
             for &other in others {
-                let b = &seconds[other as usize];
-                a.add_near_boxes(simd, b, [first, CLUSTER as u32 * other], &limits, boxed);
+                let near = a.near_lanes(simd, &seconds[other as usize], &limits);
+                let (second, lanes) = (CLUSTER as u32 * other, set_lanes(near));
+                push_some(rows, each_lane(|k| second + u32::from(lanes[k])), near);
+            }
+            for &row in &*rows {
+                let (other, i) = (row as usize / CLUSTER, row as usize % CLUSTER);
+                let near = a.near_boxes(simd, i, &seconds[other], &limits);
+                boxed.add(first + i as u32, (CLUSTER * other) as u32, near);
                 boxed.take_if_full(
                     #[inline(always)]
                     |full| add_near(simd, [firsts, triangles_b], full, search, &limits, pairs),
@@ -122,10 +134,9 @@ impl NearTriangles {
             .zip(self.numbers.iter().zip(sides))
         {
             placed.clear();
-            placed.extend(numbers.iter().map(
-                #[inline(always)]
-                |&number| side.triangle(number),
-            ));
+            for &number in numbers {
+                placed.push(side.triangle(number));
+            }
             listed.clear();
             listed.resize(numbers.len(), NOT_LISTED);
         }

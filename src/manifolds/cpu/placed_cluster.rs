@@ -1,7 +1,6 @@
 //! Eight triangles of a body at a time, placed in single precision, and which of them have boxes near a triangle of the
 //! other body.
 
-use super::boxed::BoxedPairs;
 use super::candidates::{CORNERS, EDGES, FACE};
 use super::search::{Limits, Search};
 use super::side::Side;
@@ -9,7 +8,7 @@ use super::small_triangle::{EightTriangles, SmallTriangle};
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{
-    Rows, Select, Simd, SimdBase, SimdFloat, add, bitmask, bits, boxes_meet, cross, dot, each, lane_of, lanes, largest,
+    Rows, Select, Simd, SimdBase, SimdFloat, add, bitmask, boxes_meet, cross, dot, each, lane_of, lanes, largest,
     largest_point, least, least_point, load, load_points, mask32x8, max, min, norm1, pick, scale, splat, splat_point,
     store, store_points, sub,
 };
@@ -161,25 +160,17 @@ impl PlacedCluster {
         };
     }
 
-    /// Adds the pairs of triangles that may be near: their boxes are no farther apart than the reach, and both are in the
-    /// window. `at` are the places of both lanes 0 in the list.
+    /// Lanes whose triangles may be near one of `other`: their boxes are no farther than the reach from the box around
+    /// those.
     #[inline(always)]
-    pub fn add_near_boxes<S: Simd>(
-        &self,
-        simd: S,
-        other: &Self,
-        at: [u32; 2],
-        limits: &Limits,
-        pairs: &mut BoxedPairs,
-    ) {
-        for i in bits(self.lanes & bitmask(self.boxes_are_near(simd, &other.bounds, limits.reach))) {
-            pairs.add(at[0] + i as u32, at[1], self.near_boxes_of(simd, i, other, limits));
-        }
+    pub fn near_lanes<S: Simd>(&self, simd: S, other: &Self, limits: &Limits) -> u32 {
+        self.lanes & bitmask(self.boxes_are_near(simd, &other.bounds, limits.reach))
     }
 
-    /// The lanes of `other` that may be near the triangle in lane `i`.
+    /// Lanes of `other` whose triangles may be near that in lane `i`: their boxes are no farther apart than the reach, and
+    /// both are in the window.
     #[inline(always)]
-    fn near_boxes_of<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> u32 {
+    pub fn near_boxes<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> u32 {
         let own = Aabb {
             min: lane_of(&self.min, i),
             max: lane_of(&self.max, i),
