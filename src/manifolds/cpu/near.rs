@@ -178,17 +178,24 @@ fn add_near<S: Simd>(
         let count = CLUSTER.min(boxed.len() - CLUSTER * number);
         let used = (1u32 << count) - 1;
         let features = near.features();
-        for lane in bits((near.crossing | features) & used) {
-            let triangles = eight[lane];
-            let [i, j] = triangles.map(|at| at as usize);
-            let mut parts = near.crossing_part(lane);
-            if features >> lane & 1 == 1 {
-                parts |= near.feature_parts(lane) & owned_features([firsts[i].owned, seconds[j].owned]);
+        let found = (near.crossing | features) & used;
+        // Written without branches, which processors would mispredict. What has no part is dropped later.
+        let (before, lanes) = (pairs.len(), set_lanes(found));
+        let pair = each_lane(|k| {
+            let lane = usize::from(lanes[k]);
+            let [i, j] = eight[lane];
+            SmallPair {
+                triangles: [i, j],
+                parts: near.crossing_part(lane),
+                gap: 0.0,
             }
-            if parts != 0 {
-                let gap = 0.0;
-                pairs.push(SmallPair { triangles, parts, gap });
-            }
+        });
+        push_some(pairs, pair, found);
+        for lane in bits(features & used) {
+            let [i, j] = eight[lane].map(|at| at as usize);
+            let owned = owned_features([firsts[i].owned, seconds[j].owned]);
+            let earlier = found & ((1 << lane) - 1);
+            pairs[before + earlier.count_ones() as usize].parts |= near.feature_parts(lane) & owned;
         }
     }
 }

@@ -66,6 +66,7 @@ impl NearClusters {
         let places = self.seconds.iter_mut().zip(&mut self.triangles);
         for ((placed, triangles), cluster) in places.zip(self.descent.second()) {
             placed.place(triangles, &sides[1], &transform, cluster, search, limits.pad);
+            placed.fit(simd);
         }
         self.count = self.descent.pairs().map(|(_, others)| others.len()).sum();
     }

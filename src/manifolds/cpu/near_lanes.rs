@@ -14,6 +14,9 @@ use crate::simd::lanes::{
 };
 use crate::triangle_test::cpu::interval_test::decide_by;
 
+/// A reach is wide if it is more than this many times the distance of triangles that may cross.
+const WIDE: f32 = 4.0;
+
 /// Lanes of pairs of triangles, and what they may have.
 #[derive(Clone, Copy, Default)]
 pub struct NearLanes {
@@ -60,7 +63,12 @@ impl NearLanes {
             // Most triangles that cross have no feature.
             return found;
         }
-        let [first, second, near_edges] = may_have_features([a, b], directions, limits);
+        let mut parts = [0xff; 3];
+        // Triangles that the planes of both do not separate overlap, too, unless the reach is wide.
+        if limits.reach > WIDE * limits.crossing {
+            parts = may_have_features([a, b], directions, limits);
+        }
+        let [first, second, near_edges] = parts;
         found.corners = [each(|k| corners[0][k] & first), each(|k| corners[1][k] & second)];
         let edges = edges & near_edges;
         found.edges = [over_b.edges(far, edges), over_a.edges(far, edges)];

@@ -26,7 +26,8 @@ pub struct PlacedCluster {
     /// Extent along [`Window::direction`](super::search::Window::direction).
     min_along: Stored,
     max_along: Stored,
-    /// Lanes that take part.
+    /// Lanes that hold a triangle, and those that take part.
+    all_lanes: u32,
     pub lanes: u32,
     /// Those whose face, and whose edges, may have a feature with a normal that is wanted.
     faces: u32,
@@ -148,15 +149,21 @@ impl PlacedCluster {
             triangle.number = first + i as u32;
             triangle.owned = owned[i] & (CORNERS | all(self.edges, EDGES)) | all(self.faces, FACE);
         }
+        self.all_lanes = own.lanes;
+    }
+
+    /// Finds the box around its triangles, without which no other cluster is compared with it.
+    #[inline(always)]
+    pub fn fit<S: Simd>(&mut self, simd: S) {
+        let (mut low, mut high) = (load_points(simd, &self.min), load_points(simd, &self.max));
         // Lanes that hold no triangle repeat another.
-        let (mut least, mut most) = (low, high);
-        if self.lanes != own.lanes {
+        if self.lanes != self.all_lanes {
             let (part, none) = (lanes(simd, self.lanes), splat(simd, f32::INFINITY));
-            (least, most) = (pick(part, low, [none; 3]), pick(part, high, [-none; 3]));
+            (low, high) = (pick(part, low, [none; 3]), pick(part, high, [-none; 3]));
         }
         self.bounds = Aabb {
-            min: least_point(least),
-            max: largest_point(most),
+            min: least_point(low),
+            max: largest_point(high),
         };
     }
 
