@@ -59,17 +59,17 @@ const fn edge_sets(parts: Parts, shift: usize) -> [Parts; 8] {
 }
 
 /// Bits of what a triangle owns, see `MeshFeatures::owned`: its corners, its edges, and its face.
-pub const CORNERS: u32 = 0b111;
-pub const EDGES: u32 = CORNERS << 3;
-pub const FACE: u32 = 1 << 6;
+pub const CORNER_BITS: u32 = 0b111;
+pub const EDGE_BITS: u32 = CORNER_BITS << 3;
+pub const FACE_BIT: u32 = 1 << 6;
 
 /// The features of two triangles, from what each owns.
 #[inline(always)]
 pub fn owned_features(owned: [u32; 2]) -> Parts {
     let [first, second] = owned;
     let over = |triangle: u32| (triangle >> 6 & 1).wrapping_neg();
-    let corners = [first & CORNERS & over(second), second & CORNERS & over(first)];
-    corner_parts(corners) | edge_parts([first >> 3 & CORNERS, second >> 3 & CORNERS])
+    let corners = [first & CORNER_BITS & over(second), second & CORNER_BITS & over(first)];
+    corner_parts(corners) | edge_parts([first >> 3 & CORNER_BITS, second >> 3 & CORNER_BITS])
 }
 
 /// A feature of two triangles.
@@ -284,7 +284,7 @@ impl TrianglePair<'_> {
     /// All features that the triangles own.
     #[cfg(test)]
     pub fn owned_features(&self) -> Parts {
-        owned_features([0, 1].map(|i| FACE | self.sides[i].features.owned[self.triangles[i].number as usize]))
+        owned_features([0, 1].map(|i| FACE_BIT | self.sides[i].features.owned[self.triangles[i].number as usize]))
     }
 
     /// Those of the features `may_have` with a separation in `range` that the triangles may have after a motion within the

@@ -64,7 +64,7 @@ impl NearLanes {
             return found;
         }
         let mut parts = [0xff; 3];
-        // Triangles that the planes of both do not separate overlap, too, unless the reach is wide.
+        // With a narrow reach, triangles that neither plane separates are next to each other in all directions.
         if limits.reach > WIDE * limits.crossing {
             parts = may_have_features([a, b], directions, limits);
         }

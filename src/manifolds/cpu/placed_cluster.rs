@@ -1,7 +1,7 @@
 //! Eight triangles of a body at a time, placed in single precision, and which of them have boxes near a triangle of the
 //! other body.
 
-use super::candidates::{CORNERS, EDGES, FACE};
+use super::candidates::{CORNER_BITS, EDGE_BITS, FACE_BIT};
 use super::search::{Limits, Search};
 use super::side::Side;
 use super::small_triangle::{EightTriangles, SmallTriangle};
@@ -97,7 +97,8 @@ impl PlacedCluster {
         let corners = [add(p, at), add(q, at), add(r, at)];
         let [p, q, r] = corners;
         let length = dot(normal, normal).sqrt();
-        let has_normal = length.simd_gt(splat(simd, f32::MIN_POSITIVE));
+        // Also false for NaN.
+        let has_normal = length.simd_gt(splat(simd, f32::MIN_POSITIVE)) & length.simd_le(splat(simd, f32::MAX));
         let inverse = splat(simd, 1.0) / length;
         let tilt = splat(simd, ERROR) * norm1(u) * norm1(v) * inverse + splat(simd, ERROR);
         let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
@@ -147,12 +148,12 @@ impl PlacedCluster {
         for (i, triangle) in triangles.iter_mut().enumerate() {
             let all = |lanes: u32, bits: u32| (lanes >> i & 1).wrapping_neg() & bits;
             triangle.number = first + i as u32;
-            triangle.owned = owned[i] & (CORNERS | all(self.edges, EDGES)) | all(self.faces, FACE);
+            triangle.owned = owned[i] & (CORNER_BITS | all(self.edges, EDGE_BITS)) | all(self.faces, FACE_BIT);
         }
         self.all_lanes = own.lanes;
     }
 
-    /// Finds the box around its triangles, without which no other cluster is compared with it.
+    /// Finds the box around its triangles, with which clusters of the other body are compared. Only one body needs them.
     #[inline(always)]
     pub fn fit<S: Simd>(&mut self, simd: S) {
         let (mut low, mut high) = (load_points(simd, &self.min), load_points(simd, &self.max));
