@@ -1,9 +1,9 @@
 //! Which features pairs of triangles may have, and whether they may cross, in single precision, eight at a time. All
 //! conditions are widened by the slack and by bounds of the rounding errors.
 
-use super::candidates::{CROSSING, Part, Parts};
 use super::feature::BELOW;
-use super::placed_cluster::ANY_TILT;
+use super::parts::{CROSSING, Part, Parts};
+use super::precision::ANY_TILT;
 use super::search::Limits;
 use super::small_triangle::{EightTriangles, SmallTriangle};
 use crate::simd::lanes::{

@@ -1,6 +1,6 @@
 //! Contact features: vertex-face and edge-edge.
 
-use super::candidates::{CROSSING, Part, Parts};
+use super::parts::{CROSSING, Part, Parts};
 use super::side::{Side, Triangle};
 use crate::simd::lanes::{bits, each};
 use glam::DVec3;

@@ -1,10 +1,10 @@
 //! Pairs of triangles that are near each other, of pairs of clusters that are.
 
 use super::boxed::BoxedPairs;
-use super::candidates::{NOT_LISTED, owned_features};
 use super::eight::{Narrowing, SmallPair};
 use super::near_clusters::NearClusters;
 use super::near_lanes::NearLanes;
+use super::parts::owned_features;
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
 use super::search::{Limits, Search};
 use super::side::{Side, Triangle};
@@ -32,6 +32,9 @@ pub struct NearTriangles {
     /// Each of `numbers` in double precision.
     placed: [Vec<Triangle>; 2],
 }
+
+/// In place of an index: the triangle is not in the list.
+pub const NOT_LISTED: u32 = u32::MAX;
 
 impl NearTriangles {
     /// Finds all pairs of triangles that may cross, or have a feature, after a motion within the slack, and some others.

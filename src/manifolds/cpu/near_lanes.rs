@@ -4,8 +4,8 @@
 //! have a feature. A vertex lies over a face only if the two overlap when projected along the face's normal. Edges form
 //! a feature only if their faces point at each other. Pairs that can neither have a feature nor cross are dropped here.
 
-use super::candidates::{CROSSING, Parts, corner_parts, edge_parts};
-use super::placed_cluster::AROUND_ERROR;
+use super::parts::{CROSSING, Parts, corner_parts, edge_parts};
+use super::precision::AROUND_ERROR;
 use super::search::Limits;
 use super::small_triangle::EightTriangles;
 use crate::simd::lanes::{

@@ -1,7 +1,8 @@
 //! Eight triangles of a body at a time, placed in single precision, and which of them have boxes near a triangle of the
 //! other body.
 
-use super::candidates::{CORNER_BITS, EDGE_BITS, FACE_BIT};
+use super::parts::{CORNER_BITS, EDGE_BITS, FACE_BIT};
+use super::precision::{ANY_TILT, ERROR};
 use super::search::{Limits, Search};
 use super::side::Side;
 use super::small_triangle::{EightTriangles, SmallTriangle};
@@ -57,16 +58,6 @@ impl<S: Simd> ClusterTransform<S> {
         }
     }
 }
-
-/// Relative rounding error of a product of two vectors in single precision.
-pub(crate) const ERROR: f32 = 2.0e-6;
-
-/// Largest error of a normal's direction, radians. Less certain normals count as unknown.
-pub(crate) const DIRECTION_ERROR: f32 = 1.0e-3;
-/// Factor on radii, for rounding.
-pub(crate) const AROUND_ERROR: f32 = 1.001;
-/// The tilt of a triangle whose normal is not known: all heights are possible.
-pub const ANY_TILT: f32 = 4.0;
 
 impl PlacedCluster {
     /// Places a cluster here, and its triangles there. `pad` is the rounding allowance.

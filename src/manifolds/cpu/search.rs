@@ -1,6 +1,6 @@
 //! What to search for: the separations of features, the slack, and where.
 
-use super::placed_cluster::{AROUND_ERROR, DIRECTION_ERROR};
+use super::precision::{AROUND_ERROR, DIRECTION_ERROR};
 use crate::geometry::Aabb;
 use crate::simd::rounding::PAD;
 use arrayvec::ArrayVec;

@@ -2,13 +2,14 @@
 //! threads: each share has some of the first body's clusters, in order, so that all shares together give the same list
 //! however many there are.
 
-use super::candidates::{Candidates, Parts};
+use super::candidates::Candidates;
 use super::crossing::{Crossings, Segment};
 use super::feature::{Feature, TrianglePair};
 use super::kept::{KeptCandidates, Source};
 use super::near::NearTriangles;
 use super::near_clusters::NearClusters;
 use super::pair::{Pair, ROUNDING};
+use super::parts::Parts;
 use super::search::Wanted;
 use super::side::Triangle;
 use crate::parallel::loops;

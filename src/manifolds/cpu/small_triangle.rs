@@ -1,6 +1,6 @@
 //! Triangles in single precision, one at a time in memory and eight at a time in registers.
 
-use super::placed_cluster::DIRECTION_ERROR;
+use super::precision::DIRECTION_ERROR;
 use crate::simd::lanes::{Points, Simd, SimdBase, columns, each, each_lane, f32x8, mask32x8, pick, rows, splat};
 use crate::triangle_test::cpu::interval_test::Eight;
 #[cfg(test)]

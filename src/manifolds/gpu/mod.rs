@@ -49,7 +49,7 @@ mod reduce;
 pub use batches::BatchSize;
 pub use buffers::{ContactBuffers, ContactCapacity, ContactScratch};
 
-use super::cpu::{contour, feature, pair, placed_cluster, planes, side, smooth};
+use super::cpu::{contour, feature, pair, planes, precision, side, smooth};
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
@@ -97,9 +97,9 @@ const EMIT: Kernel = kernel!("manifolds/emit");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     u32 MAX_PLANE_POINTS = planes::MAX_POINTS;
-    f32 ERROR = placed_cluster::ERROR;
-    f32 DIRECTION_ERROR = placed_cluster::DIRECTION_ERROR;
-    f32 AROUND_ERROR = placed_cluster::AROUND_ERROR;
+    f32 ERROR = precision::ERROR;
+    f32 DIRECTION_ERROR = precision::DIRECTION_ERROR;
+    f32 AROUND_ERROR = precision::AROUND_ERROR;
     f32 BELOW = feature::BELOW;
     f32 ARC = feature::ARC;
     f32 ARC_SLACK = side::ARC_SLACK * feature::ARC;
