@@ -126,7 +126,7 @@ impl Narrowing {
 
 /// Up to eight of them. The last fills up the lanes.
 #[inline(always)]
-fn eight_of<T>(some: &[T]) -> [&T; 8] {
+pub fn eight_of<T>(some: &[T]) -> [&T; 8] {
     each_lane(|lane| &some[lane.min(some.len() - 1)])
 }
 

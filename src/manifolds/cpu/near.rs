@@ -1,7 +1,7 @@
 //! Pairs of triangles that are near each other, of pairs of clusters that are.
 
 use super::boxed::BoxedPairs;
-use super::eight::{Narrowing, SmallPair};
+use super::eight::{Narrowing, SmallPair, eight_of};
 use super::near_clusters::NearClusters;
 use super::near_lanes::NearLanes;
 use super::parts::owned_features;
@@ -170,10 +170,7 @@ fn add_near<S: Simd>(
 ) {
     let [firsts, seconds] = triangles.map(<[_]>::as_flattened);
     let (groups, rest) = boxed.as_chunks();
-    // The last pair fills up the lanes.
-    let last = rest
-        .last()
-        .map(|last| each_lane(|lane| *rest.get(lane).unwrap_or(last)));
+    let last = (!rest.is_empty()).then(|| eight_of(rest).map(|pair| *pair));
     for (number, eight) in groups.iter().chain(&last).enumerate() {
         let a = EightTriangles::gather(simd, each_lane(|lane| &firsts[eight[lane][0] as usize]));
         let b = EightTriangles::gather(simd, each_lane(|lane| &seconds[eight[lane][1] as usize]));

@@ -49,7 +49,7 @@ pub const FACE_BIT: u32 = 1 << 6;
 #[inline(always)]
 pub fn owned_features(owned: [u32; 2]) -> Parts {
     let [first, second] = owned;
-    let over = |triangle: u32| (triangle >> 6 & 1).wrapping_neg();
+    let over = |triangle: u32| u32::from(triangle & FACE_BIT != 0).wrapping_neg();
     let corners = [first & CORNER_BITS & over(second), second & CORNER_BITS & over(first)];
     corner_parts(corners) | edge_parts([first >> 3 & CORNER_BITS, second >> 3 & CORNER_BITS])
 }

@@ -14,7 +14,7 @@ pub struct SmallTriangle {
     corners: [[f32; 4]; 3],
     measures: [f32; 4],
     pub number: u32,
-    /// What it owns, and bits of its own: see [`owned_features`](super::candidates::owned_features).
+    /// What it owns, as bits: see [`owned_features`](super::parts::owned_features).
     pub owned: u32,
 }
 
