@@ -2,8 +2,8 @@
 #import faceoff::arena::{meshes, words, support}
 #import faceoff::constants::angles::AXES
 #import faceoff::dispatch::group_index
-#import faceoff::margins::speculative_margin
-#import faceoff::math::{angle_of, compose, conjugate, direction, matrix, norm1, rotate}
+#import faceoff::math::{angle_of, compose, conjugate, direction, matrix, norm1, rotate, unit_of}
+#import faceoff::pair_margin::speculative_margin
 #import faceoff::types as t
 
 @group(0) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
@@ -29,12 +29,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// The power of two that scales a size to between 1 and 2.
-fn unit_of(size: f32) -> f32 {
-    let exponent = clamp((bitcast<u32>(size) >> 23u) & 255u, 1u, 253u);
-    return bitcast<f32>((254u - exponent) << 23u);
-}
-
 fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let a = bodies[bodies_of_pair.x];
     let b = bodies[bodies_of_pair.y];
@@ -46,6 +40,7 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
         kept.near = t::NEAR;
         kept.view_a = t::VIEW_ALL;
         kept.view_b = t::VIEW_ALL;
+        kept.margin = speculative_margin(step, a, b);
         return kept;
     }
     let mesh_a = meshes[a.mesh];
@@ -62,13 +57,13 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let apart = rotate(back, ((b.position - a.position) + (anchor_b - anchor_a)) * unit);
     let error = PLACING_ERROR + 1.0e-6 * unit * (norm1(anchor_a) + norm1(anchor_b));
     let pad = 2.0 * error;
-    let margin = unit * speculative_margin(step, a, b);
+    let margin = speculative_margin(step, a, b);
 
     var best: t::NearPair;
     best.a = bodies_of_pair.x;
     best.b = bodies_of_pair.y;
     best.near = t::OVERLAPPING;
-    best.unit = unit;
+    best.margin = margin;
     best.x = rotation[0];
     best.y = rotation[1];
     best.z = rotation[2];
@@ -97,7 +92,7 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
         let overlap = a_below - b_above;
         if overlap < -2.0 * pad {
             best.near = t::NEAR;
-            if overlap < -2.0 * pad - margin {
+            if overlap < -2.0 * pad - unit * margin {
                 best.near = t::FAR;
                 return best;
             }

@@ -4,7 +4,7 @@
 #import faceoff::constants::manifolds::{NUDGE, SAME_PLACE}
 #import faceoff::constants::shared::DEFAULT_DIRECTION
 #import faceoff::dispatch::group_index
-#import faceoff::math::{compose, conjugate, max_component, matrix, rotate}
+#import faceoff::math::{compose, conjugate, max_component, matrix, rotate, unit_of}
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
@@ -98,10 +98,4 @@ fn same_place(a: t::Body, b: t::Body, world_offset: vec3<f32>) -> bool {
     let equal = meshes[a.mesh].fingerprint_low == meshes[b.mesh].fingerprint_low
         && meshes[a.mesh].fingerprint_high == meshes[b.mesh].fingerprint_high;
     return equal && all(a.scale == b.scale) && near && rotation_difference < 1.0e-6;
-}
-
-// The power of two that scales a size to between 1 and 2.
-fn unit_of(size: f32) -> f32 {
-    let exponent = clamp((bitcast<u32>(size) >> 23u) & 255u, 1u, 253u);
-    return bitcast<f32>((254u - exponent) << 23u);
 }

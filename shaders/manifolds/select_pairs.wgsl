@@ -2,7 +2,6 @@
 // are found for active ones only, which are listed in any order; the others have empty slots at first. One thread per pair.
 #import faceoff::contact_slots::slot_of_pair
 #import faceoff::dispatch::group_index
-#import faceoff::margins::speculative_margin
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -29,7 +28,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let pair = near_pairs[values[i]];
     let a = bodies[pair.a];
     let b = bodies[pair.b];
-    margin_pairs[i] = t::MarginPair(pair.a, pair.b, speculative_margin(step, a, b), 0u);
+    margin_pairs[i] = t::MarginPair(pair.a, pair.b, pair.margin, 0u);
     if a.inactive == 0u || b.inactive == 0u {
         active_pairs[atomicAdd(&contact_counters[t::ACTIVE_PAIRS], 1u)] = i;
     } else {

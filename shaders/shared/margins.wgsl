@@ -28,28 +28,20 @@ fn with_rounded_center(body: t::Body) -> t::Body {
     return placed;
 }
 
-// The speculative margin of a pair, metres.
-fn speculative_margin(step: t::Step, a: t::Body, b: t::Body) -> f32 {
-    let diameter = 2.0 * min(a.radius, b.radius);
-    let v = velocity(b) - velocity(a);
-    let time = max(a.travel_time, b.travel_time);
-    let travel = (sqrt(dot(v, v)) + sway(step, a, time) + sway(step, b, time)) * (step.travel_scale * time);
-    return step.contact_margin * diameter + min(travel, BOUND * min(a.thickness, b.thickness));
-}
-
-fn velocity(body: t::Body) -> vec3<f32> {
-    return select(body.linear_velocity, vec3(0.0), (body.flags & t::KIND_MASK) == t::STATIC);
-}
-
 // Upper bound of the speed that rotation, gravity and external forces add to a body's surface within this time, m/s.
 fn sway(step: t::Step, body: t::Body, time: f32) -> f32 {
+    return sway_at(step, body, time, body.radius);
+}
+
+// The same for the surface within a distance of `arm` metres of the axis of rotation.
+fn sway_at(step: t::Step, body: t::Body, time: f32, arm: f32) -> f32 {
     let kind = body.flags & t::KIND_MASK;
     if kind == t::STATIC {
         return 0.0;
     }
     let w = body.angular_velocity;
     // The velocity of a collider that circles its body's centre of mass changes direction.
-    let spin = sqrt(dot(w, w)) * body.radius + 0.5 * dot(w, w) * time * body.center_offset;
+    let spin = sqrt(dot(w, w)) * arm + 0.5 * dot(w, w) * time * body.center_offset;
     let fall = sqrt(dot(step.gravity, step.gravity)) * abs(body.gravity_scale);
     let push = (fall + body.force_acceleration + body.torque_acceleration) * time;
     return select(spin, spin + push, kind == t::DYNAMIC);

@@ -148,3 +148,9 @@ fn ascending(x: f32) -> u32 {
 fn descending(x: u32) -> f32 {
     return bitcast<f32>(select(~x, x ^ 0x80000000u, (x >> 31u) != 0u));
 }
+
+// The power of two that scales a size to between 1 and 2.
+fn unit_of(size: f32) -> f32 {
+    let exponent = clamp((bitcast<u32>(size) >> 23u) & 255u, 1u, 253u);
+    return bitcast<f32>((254u - exponent) << 23u);
+}

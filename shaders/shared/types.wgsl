@@ -192,6 +192,12 @@ struct Sweep {
     travel: vec3<f32>,
     // As in `Body`.
     flags: u32,
+    // Upper bound of the speed of the body's surface relative to its centre of mass within the step, m/s; 0 if it needs no
+    // collision substeps. `group_bodies.wgsl` writes it.
+    spin: f32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // For the first body of a group: its solid bodies, and what is static and in their way. Velocities and coordinates are
@@ -244,7 +250,8 @@ struct NearPair {
     b: u32,
     // `FAR`, `NEAR` or `OVERLAPPING`.
     near: u32,
-    unit: f32,
+    // Speculative margin, metres.
+    margin: f32,
     // Columns of the rotation from b's axes to a's.
     x: vec3<f32>,
     // Upper bound of a along the axis.

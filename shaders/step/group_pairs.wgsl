@@ -1,10 +1,12 @@
-// Begin of a step that may need several collision substeps: in which groups bodies can meet each other, or something static.
-// One thread per pair.
+// Begin of a step that may need several collision substeps: in which groups bodies can meet each other, or something static,
+// and how fast they turn there. One thread per pair.
 #import faceoff::arena::{meshes, words, vector}
-#import faceoff::constants::shared::TREE_LEVELS
+#import faceoff::arm::arm
+#import faceoff::constants::shared::{SAFETY, TREE_LEVELS}
 #import faceoff::dispatch::{divide_up, group_index}
+#import faceoff::margins::{sway, sway_at}
 #import faceoff::math::{conjugate, rotate}
-#import faceoff::meeting::{add_thickness, add_velocity, set_exists}
+#import faceoff::meeting::{add_spin, add_thickness, add_velocity, meetings, set_exists}
 #import faceoff::sweep::{is_solid, moves}
 #import faceoff::types as t
 #import faceoff::union_find::root_of
@@ -13,6 +15,7 @@
 @group(0) @binding(3) var<storage, read> sphere_pairs: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> sweeps: array<t::Sweep>;
 @group(0) @binding(5) var<storage, read> bodies: array<t::Body>;
+@group(0) @binding(6) var<uniform> step: t::Step;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -30,13 +33,38 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let root = root_of(mover);
-    if moves(b) {
-        set_exists(root);
-    } else if meets_mesh(a, bodies[other]) {
-        set_exists(root);
-        add_thickness(root, bodies[other].thickness);
-        add_velocity(root, vec3(0.0), 0.0);
+    let body = bodies[mover];
+    let neighbour = bodies[other];
+    if !moves(b) {
+        if !meets_mesh(a, neighbour) {
+            return;
+        }
+        add_thickness(root, neighbour.thickness);
+        add_velocity(root, vec3(0.0));
     }
+    set_exists(root);
+    add_spin_near(root, a, b, body, neighbour);
+    add_spin_near(root, b, a, neighbour, body);
+}
+
+// Adds the speed at which the surface of a body moves relative to its centre of mass where `other` may touch it within the
+// step. The twin of `spin_near` in `src/step/reach.rs`.
+fn add_spin_near(root: u32, sweep: t::Sweep, other_sweep: t::Sweep, body: t::Body, other: t::Body) {
+    var spin = sweep.spin;
+    // Another surface of the group moves as fast.
+    if spin <= bitcast<f32>(atomicLoad(&meetings[root].spin)) {
+        return;
+    }
+    // The axis of a body of several colliders does not pass through their centres.
+    if body.center_offset == 0.0 {
+        let time = SAFETY * step.dt;
+        let way = other_sweep.travel - sweep.travel;
+        let push = sway_at(step, body, step.dt, 0.0);
+        let motion = sqrt(dot(way, way)) + time * (sway(step, other, step.dt) + push);
+        let w = body.angular_velocity;
+        spin -= sqrt(dot(w, w)) * (body.radius - arm(body, other, motion));
+    }
+    add_spin(root, spin);
 }
 
 // Whether the bounding box of a sweep, in the axes of a static body, overlaps the box of a cluster of the body's triangles.

@@ -7,12 +7,15 @@
 
 @group(0) @binding(9) var<storage, read_write> meetings: array<t::Meeting>;
 
-fn add_velocity(root: u32, velocity: vec3<f32>, spin: f32) {
+fn add_velocity(root: u32, velocity: vec3<f32>) {
     for (var axis = 0u; axis < 3u; axis += 1u) {
         atomicMax(&meetings[root].highest[axis], ascending(velocity[axis]));
         atomicMax(&meetings[root].highest_negated[axis], ascending(-velocity[axis]));
     }
-    // Speeds and lengths are not negative, so that their bits are in the order of the numbers.
+}
+
+// Speeds and lengths are not negative, so that their bits are in the order of the numbers.
+fn add_spin(root: u32, spin: f32) {
     atomicMax(&meetings[root].spin, bitcast<u32>(abs(spin)));
 }
 

@@ -35,7 +35,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         margin += time * sway(step, body, step.dt);
         speed = length(body.linear_velocity - step.drift) * time;
     }
-    sweeps[i] = t::Sweep(center_of(body, meshes[body.mesh].center), body.radius + margin, travel, body.flags);
+    let center = center_of(body, meshes[body.mesh].center);
+    sweeps[i] = t::Sweep(center, body.radius + margin, travel, body.flags, 0.0, 0u, 0u, 0u);
     bodies[i].speculative_radius = body.radius + margin + speed;
     atomicStore(&islands[i].parent, body.body);
     for (var axis = 0u; axis < 3u; axis += 1u) {

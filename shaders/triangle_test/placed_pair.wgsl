@@ -4,7 +4,7 @@
 // bodies and meshes is read where it is needed: copies would take too many registers.
 
 #import faceoff::arena::{meshes, vector}
-#import faceoff::math::{absolute, rotate}
+#import faceoff::math::{absolute, rotate, unit_of}
 #import faceoff::tree
 #import faceoff::types as t
 
@@ -38,9 +38,9 @@ fn placed(index: u32) -> Pair {
     pair.b = near.b;
     pair.rotation = mat3x3(near.x, near.y, near.z);
     pair.translation = near.translation;
-    pair.unit = near.unit;
-    pair.scale_a = near.unit * a.scale;
-    pair.scale_b = near.unit * b.scale;
+    pair.unit = unit_of(a.radius + b.radius);
+    pair.scale_a = pair.unit * a.scale;
+    pair.scale_b = pair.unit * b.scale;
     pair.error = near.error;
     pair.mesh_a = a.mesh;
     pair.mesh_b = b.mesh;

@@ -29,7 +29,7 @@ pub(crate) fn run(
 ) -> usize {
     near_pairs.clear();
     scratch.extend(near_pairs, sphere_pairs, TASK, |_, &pair, near_pairs| {
-        let margin = margins.of_pair(bodies, config, pair);
+        let margin = margins.of_pair(bodies, meshes, config, pair);
         near_pairs.extend(support_axis::near_pair(bodies, meshes, pair, margin));
     });
     near_pairs.iter().filter(|pair| pair.is_approximate()).count()

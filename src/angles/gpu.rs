@@ -5,7 +5,7 @@ use crate::gpu::buffers::Capacity;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::GROUPS_PER_64_PAIRS;
 use crate::gpu::program::{Calls, Groups};
-use crate::gpu::shader::{Module, Shaders, shared_constants};
+use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
 /// Relative poses, support-axis cull, visible triangles.
 const SUPPORT_AXES: Kernel = kernel!("angles/support_axes");
@@ -16,7 +16,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::angles", {
 
 /// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
-    modules: &[CONSTANTS],
+    modules: &[CONSTANTS, module!("angles/pair_margin")],
     kernels: &[&SUPPORT_AXES],
 };
 

@@ -121,6 +121,7 @@ layout! {
     Sweep {
         center: Vec3, radius: f32,
         travel: Vec3, flags: u32,
+        spin: f32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// The solid bodies of a group that can meet within a step.
     Meeting {
@@ -140,7 +141,7 @@ layout! {
     }
     /// A pair of bodies whose spheres overlap, with the results of Angles.
     NearPair {
-        a: u32, b: u32, near: u32, unit: f32,
+        a: u32, b: u32, near: u32, margin: f32,
         x: Vec3, a_below: f32,
         y: Vec3, b_above: f32,
         z: Vec3, error: f32,

@@ -75,6 +75,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("shared/sort"),
         module!("shared/arena"),
         module!("shared/margins"),
+        module!("shared/arm"),
         module!("shared/tree"),
         module!("shared/split"),
         module!("shared/tensor"),

@@ -58,31 +58,51 @@ impl Speeds {
     /// Includes body `i`, if it is solid and needs collision substeps, with the speed that external forces give it within `dt`
     /// seconds.
     pub fn include(&mut self, bodies: &SolverBodies, i: usize, dt: f32) {
-        let (body, motion) = (&bodies.bodies[i], &bodies.motions[i]);
-        if !body.solid || (body.continuous && body.moves()) {
-            return;
-        }
-        if !body.moves() || bodies.sleep[i].asleep {
-            self.add(Vec3::ZERO, 0.0);
-        } else {
-            let (push, turn) = bodies.accelerations(i);
-            let spin = (motion.angular_velocity.length() + turn * dt) * body.extent;
-            self.add(motion.linear_velocity, spin);
-            self.add(motion.linear_velocity + push * dt, spin);
+        if bodies.bodies[i].solid {
+            self.include_velocity(bodies, i, dt);
+            self.spin_up(Self::spin_of(bodies, i, dt));
         }
     }
 
-    /// Includes a body.
-    pub fn add(&mut self, velocity: Vec3, spin: f32) {
+    /// The same without its rotation, and for any body.
+    pub fn include_velocity(&mut self, bodies: &SolverBodies, i: usize, dt: f32) {
+        let body = &bodies.bodies[i];
+        if !body.moves() || !body.continuous && bodies.sleep[i].asleep {
+            self.add(Vec3::ZERO);
+        } else if !body.continuous {
+            let velocity = bodies.motions[i].linear_velocity;
+            let (push, _) = bodies.accelerations(i);
+            self.add(velocity);
+            self.add(velocity + push * dt);
+        }
+    }
+
+    /// Upper bound of the speed of the surface of body `i` relative to its centre of mass within `dt` seconds, m/s; 0 if it
+    /// needs no collision substeps.
+    pub fn spin_of(bodies: &SolverBodies, i: usize, dt: f32) -> f32 {
+        let body = &bodies.bodies[i];
+        if !body.moves() || body.continuous || bodies.sleep[i].asleep {
+            return 0.0;
+        }
+        let (_, turn) = bodies.accelerations(i);
+        (bodies.motions[i].angular_velocity.length() + turn * dt) * body.extent
+    }
+
+    /// Includes a body with this velocity.
+    pub fn add(&mut self, velocity: Vec3) {
         self.low = self.low.min(velocity);
         self.high = self.high.max(velocity);
-        self.spin_up(spin);
     }
 
     /// Includes a body whose velocity is known only along these axes.
     pub fn add_along(&mut self, axes: BVec3, velocity: Vec3) {
         self.low = Vec3::select(axes, self.low.min(velocity), self.low);
         self.high = Vec3::select(axes, self.high.max(velocity), self.high);
+    }
+
+    /// The largest speed of any surface relative to its body's centre of mass, m/s.
+    pub fn spin(&self) -> f32 {
+        self.spin
     }
 
     /// Includes a surface that moves with this speed relative to its body's centre of mass, m/s.

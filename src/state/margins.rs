@@ -1,10 +1,13 @@
 //! Speculative margins: surfaces closer than their margin get contact points, because they may meet before the next
 //! collision substep.
 //!
-//! A pair's margin follows the relative velocity of its bodies, so bodies that move together have none from motion. It
-//! is capped at twice the thickness of the thinner body; fast bodies get more collision substeps instead. If a third
-//! body changes the motion of one of the two, the next collision substep accounts for it.
+//! A pair's margin follows the relative velocity of its bodies, so bodies that move together have none from motion. The
+//! speed of rotation counts where the other body may touch. The margin is capped at twice the thickness of the thinner
+//! body; fast bodies get more collision substeps instead. If a third body changes the motion of one of the two, the next
+//! collision substep accounts for it.
 
+use super::arm::arm;
+use super::mesh_arena::MeshArena;
 use crate::state::{Bodies, StepConfig};
 use crate::types::body::RigidBody;
 use glam::Vec3;
@@ -69,23 +72,38 @@ impl SpeculativeMargins {
     }
 
     /// The speculative margin of a pair, metres.
-    pub fn of_pair(self, bodies: &Bodies, config: &StepConfig, pair: [u32; 2]) -> f32 {
-        let [a, b] = pair.map(|i| i as usize);
-        let diameter = 2.0 * bodies.radius[a].min(bodies.radius[b]);
-        let travel = match self {
-            Self::Moving { .. } => {
-                let dt = bodies.travel_time[a].max(bodies.travel_time[b]);
-                let [v, w] = [a, b].map(|i| match bodies.kind[i] {
-                    RigidBody::Static => Vec3::ZERO,
-                    _ => bodies.linear_velocity[i],
-                });
-                let sway = [a, b].map(|i| sway(bodies, config, i, dt));
-                let bound = BOUND * bodies.thickness[a].min(bodies.thickness[b]);
-                (SAFETY * ((w - v).length() + sway[0] + sway[1]) * dt).min(bound)
+    pub fn of_pair(self, bodies: &Bodies, meshes: &MeshArena, config: &StepConfig, pair: [u32; 2]) -> f32 {
+        let at_rest = self.at_rest(bodies, config, pair);
+        if !matches!(self, Self::Moving { .. }) {
+            return at_rest;
+        }
+        let indices @ [a, b] = pair.map(|i| i as usize);
+        let dt = bodies.travel_time[a].max(bodies.travel_time[b]);
+        let [v, w] = indices.map(|i| match bodies.kind[i] {
+            RigidBody::Static => Vec3::ZERO,
+            _ => bodies.linear_velocity[i],
+        });
+        let relative = (w - v).length();
+        let whole = indices.map(|i| sway(bodies, config, i, dt));
+        let near = [0, 1].map(|k| {
+            let i = indices[k];
+            // Where rotation adds little, a smaller margin saves less than it costs to know.
+            let spin = bodies.angular_velocity[i].length() * bodies.radius[i];
+            if whole[k] == 0.0 || SAFETY * spin * dt <= at_rest {
+                return whole[k];
             }
-            _ => 0.0,
-        };
-        self.contact_margin(config) * diameter + travel
+            let motion = SAFETY * (relative + whole[1 - k] + sway_at(bodies, config, i, dt, 0.0)) * dt;
+            let arm = arm(bodies, meshes, [pair[k], pair[1 - k]], motion);
+            sway_at(bodies, config, i, dt, arm)
+        });
+        let bound = BOUND * bodies.thickness[a].min(bodies.thickness[b]);
+        at_rest + (SAFETY * (relative + near[0] + near[1]) * dt).min(bound)
+    }
+
+    /// The speculative margin of a pair that does not move, metres.
+    pub fn at_rest(self, bodies: &Bodies, config: &StepConfig, pair: [u32; 2]) -> f32 {
+        let [a, b] = pair.map(|i| bodies.radius[i as usize]);
+        self.contact_margin(config) * 2.0 * a.min(b)
     }
 
     /// The contact margin in units of the smaller body's diameter.
@@ -100,8 +118,13 @@ impl SpeculativeMargins {
 
 /// Upper bound of the speed that rotation, gravity and external forces add to a body's surface within `dt` seconds, m/s.
 pub(crate) fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f32 {
+    sway_at(bodies, config, i, dt, bodies.radius[i])
+}
+
+/// The same for the surface within a distance of `arm` metres of the axis of rotation.
+pub(crate) fn sway_at(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32, arm: f32) -> f32 {
     let turn = bodies.angular_velocity[i].length();
-    let mut spin = turn * bodies.radius[i];
+    let mut spin = turn * arm;
     if let Some(part) = bodies.part(i as u32) {
         // The velocity of a collider that circles its body's centre of mass changes direction.
         spin += 0.5 * turn * turn * dt * part.offset.length() as f32;

@@ -12,9 +12,10 @@
 //! | [`contacts`] | touching pairs, faces and points as they are reported |
 //! | [`manifolds`] | contact manifolds, the input of the solver |
 //! | [`results`] | all results of a step |
-//! | [`margins`] | speculative margins |
+//! | [`margins`], `arm` | speculative margins, and how far from a body's axis others may touch it |
 //! | `inactive` | pairs that sleep and need no work |
 
+pub(crate) mod arm;
 pub mod bodies;
 pub mod body;
 pub mod compound;

@@ -2,8 +2,9 @@
 //!
 //! Bodies whose spheres, swept over the whole step, overlap form a group; what is static joins nothing. Each group
 //! needs the number that its own speeds and its thinnest body ask for, and a body that can meet nothing needs one,
-//! however fast or thin it is. So a bullet in flight far away costs nothing. Groups with different numbers must stay
-//! apart for the whole step, see [`territories`](super::territories).
+//! however fast or thin it is. So a bullet in flight far away costs nothing. The speed of a body's rotation counts where
+//! others may touch it, so that a nut that turns about its bolt needs no more than its thread does. Groups with
+//! different numbers must stay apart for the whole step, see [`territories`](super::territories).
 
 use super::territories::Territories;
 use crate::broad_phase;
@@ -14,7 +15,8 @@ use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::solver::SolverBodies;
 use crate::solver::speeds::Speeds;
-use crate::state::margins::{SAFETY, SpeculativeMargins, sway};
+use crate::state::arm::arm;
+use crate::state::margins::{SAFETY, SpeculativeMargins, sway, sway_at};
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig, StepInput};
 use crate::types::body::RigidBody;
@@ -87,6 +89,7 @@ impl Reach {
         let moves = |i: u32| solver_bodies.bodies[i as usize].moves();
         let solid = |i: u32| solver_bodies.bodies[i as usize].solid;
         let sweep = |i: u32| Sweep::of(bodies, config, i);
+        let spin_of = |i: u32| Speeds::spin_of(solver_bodies, bodies.body_of(i) as usize, config.dt);
         pairs.retain(|&[a, b]| sweep(a).meets(&sweep(b)));
 
         groups.reset(bodies.len());
@@ -109,20 +112,31 @@ impl Reach {
             let meeting = &mut meetings[groups.root(i) as usize];
             meeting.include(solver_bodies, i as usize, config.dt);
             let own = sweep(i);
-            meeting.exists |= is_crowded;
-            if planes.iter().any(|plane| !plane.sensor && own.meets_plane(plane)) {
+            let meets_plane = planes.iter().any(|plane| !plane.sensor && own.meets_plane(plane));
+            if meets_plane {
+                meeting.speeds.add(Vec3::ZERO);
+            }
+            if meets_plane || is_crowded {
                 meeting.exists = true;
-                meeting.speeds.add(Vec3::ZERO, 0.0);
+                meeting.speeds.spin_up(spin_of(i));
             }
         }
         for &[a, b] in pairs.iter().filter(|pair| pair.iter().all(|&i| solid(i))) {
             let [mover, other] = if moves(a) { [a, b] } else { [b, a] };
-            let root = groups.root(mover) as usize;
-            if moves(other) {
-                meetings[root].exists = true;
-            } else if sweep(mover).meets_mesh(bodies, meshes, other) {
-                meetings[root].exists = true;
-                meetings[root].include(solver_bodies, other as usize, config.dt);
+            let meeting = &mut meetings[groups.root(mover) as usize];
+            if !moves(other) {
+                if !sweep(mover).meets_mesh(bodies, meshes, other) {
+                    continue;
+                }
+                meeting.include(solver_bodies, other as usize, config.dt);
+            }
+            meeting.exists = true;
+            for pair in [[mover, other], [other, mover]] {
+                let spin = spin_of(pair[0]);
+                // Another surface of the group moves as fast.
+                if spin > meeting.speeds.spin() {
+                    meeting.speeds.spin_up(spin_near(bodies, meshes, config, pair, spin));
+                }
             }
         }
         for meeting in meetings.iter_mut() {
@@ -147,8 +161,9 @@ impl Meeting {
         collision_substeps: 1,
     };
 
+    /// Includes body `i` without its rotation.
     fn include(&mut self, bodies: &SolverBodies, i: usize, dt: f32) {
-        self.speeds.include(bodies, i, dt);
+        self.speeds.include_velocity(bodies, i, dt);
         self.thinnest = self.thinnest.min(bodies.bodies[i].thickness);
     }
 
@@ -168,6 +183,26 @@ impl Meeting {
             1
         };
     }
+}
+
+/// How fast the surface of body `i` moves relative to its centre of mass where `j` may touch it within the step, m/s, if no
+/// part of it moves faster than `spin`.
+fn spin_near(bodies: &Bodies, meshes: &MeshArena, config: &StepConfig, [i, j]: [u32; 2], spin: f32) -> f32 {
+    let dt = config.dt;
+    let [own, other] = [i, j].map(|i| i as usize);
+    if bodies.part(i).is_some_and(|part| part.offset != DVec3::ZERO) {
+        // Its axis does not pass through this collider's centre.
+        return spin;
+    }
+    let velocity = |i: usize| match bodies.kind[i] {
+        RigidBody::Static => Vec3::ZERO,
+        _ => bodies.linear_velocity[i],
+    };
+    let relative = (velocity(other) - velocity(own)).length();
+    let push = sway_at(bodies, config, own, dt, 0.0);
+    let motion = SAFETY * (relative + sway(bodies, config, other, dt) + push) * dt;
+    let less = bodies.radius[own] - arm(bodies, meshes, [i, j], motion);
+    spin - bodies.angular_velocity[own].length() * less
 }
 
 /// The sphere that a body sweeps over in a step, with the part of its margin that does not depend on a direction.

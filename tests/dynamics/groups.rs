@@ -146,3 +146,44 @@ pub fn spinner() {
         }
     }
 }
+
+#[test]
+fn a_wheel_on_its_axle_needs_few_collision_substeps() {
+    wheel();
+}
+
+/// The rim of a wheel is fast, but the axle is far from it. A post beside the rim is not.
+pub fn wheel() {
+    const SPEED: f32 = 12.0;
+    let substeps = |post: Option<Vec3>| {
+        let mut world = World::weightless();
+        let ring = world.mesh(&shapes::torus(24, 8, 0.88, 0.12));
+        let cube = world.mesh(&shapes::cube(1.0));
+        let wheel = world.put(&Body {
+            angular_velocity: Vec3::Z * SPEED,
+            ..Body::at_rest(ring, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)
+        });
+        for at in [Vec3::ZERO].into_iter().chain(post) {
+            world.add(
+                RigidBody::Static,
+                cube,
+                Vec3::new(0.1, 0.1, 3.0),
+                at,
+                Quat::from_rotation_z(0.3),
+            );
+        }
+        let mut most = 0;
+        for step in 0..32 {
+            world.step();
+            most = most.max(world.state.results.collision_substeps);
+            assert!(
+                world.center(wheel).length() < 1.0e-5 && world.state.results.manifolds.points.is_empty(),
+                "step {step}: it touches nothing"
+            );
+        }
+        most
+    };
+    let [alone, beside] = [None, Some(Vec3::X * 1.2)].map(substeps);
+    println!("{alone} with an axle, {beside} with a post");
+    assert_eq!([alone, beside], [1, 8]);
+}

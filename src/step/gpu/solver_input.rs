@@ -89,7 +89,8 @@ impl SolverInput {
         for slowed in &remap.slowed {
             if let Some([linear, angular]) = slowed.velocities {
                 let i = placed.body_of(slowed.number) as usize;
-                seen.add(linear, angular.length() * bodies.bodies[i].extent);
+                seen.add(linear);
+                seen.spin_up(angular.length() * bodies.bodies[i].extent);
             }
         }
         let left = (0..count).filter(|&i| !bodies.bodies[i].continuous);

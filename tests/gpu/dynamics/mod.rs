@@ -93,6 +93,7 @@ pub const TESTS: &[Test] = &tests! {
     an_impact_far_away_changes_nothing: groups::far_impact(4, 100);
     billiard_balls_pass_on_their_momentum: groups::billiards();
     a_formation_with_a_fast_spinner_stays_together: groups::spinner();
+    a_wheel_on_its_axle_needs_few_collision_substeps: groups::wheel();
     groups_have_as_many_substeps_as_on_the_cpu: reach::groups_as_on_the_cpu();
     groups_that_come_near_each_other_have_the_same_number: reach::groups_near_each_other();
     commands_that_are_not_needed_change_nothing: reach::same_with_spare_substeps();
