@@ -26,29 +26,41 @@ fn arm(own: t::Body, other: t::Body, motion: f32) -> f32 {
     let offset_own = rotate(own.rotation, own.scale * meshes[own.mesh].center);
     let offset_other = rotate(other.rotation, other.scale * meshes[other.mesh].center);
     let center = (other.position - own.position) + (offset_other - offset_own);
-    let across = vec2(dot(center, u), dot(center, v));
-    if sqrt(dot(across, across)) + motion >= own.radius {
-        return own.radius;
-    }
+    let most = own.radius - motion;
     let heights = meshes[other.mesh].heights;
     let back = conjugate(other.rotation);
-    let p = (u + v) * 0.70710678;
-    let q = (v - u) * 0.70710678;
+    // The side towards the centre of the other is probably the farthest: beyond the radius nothing else matters.
+    let first = octant(dot(center, u), dot(center, v));
+    var one = height(heights, other, back, center, side(u, v, first));
     var square = 0.0;
-    let first = height(heights, other, back, center, u);
-    var one = first;
-    for (var k = 1u; k <= 8u; k += 1u) {
-        let even = select(u, v, (k & 2u) != 0u);
-        let odd = select(p, q, (k & 2u) != 0u);
-        let direction = select(even, odd, (k & 1u) != 0u);
-        var next = first;
-        if k < 8u {
-            next = height(heights, other, back, center, select(direction, -direction, (k & 4u) != 0u));
+    for (var k = first + 1u; k <= first + 8u; k += 1u) {
+        let next = height(heights, other, back, center, side(u, v, k));
+        let corner = 2.0 * (one * one + next * next - 1.41421356 * one * next);
+        if !(sqrt(corner) < most) {
+            return own.radius;
         }
-        square = max(square, 2.0 * (one * one + next * next - 1.41421356 * one * next));
+        square = max(square, corner);
         one = next;
     }
-    return min(own.radius, sqrt(square) + motion);
+    return sqrt(square) + motion;
+}
+
+// Number of the eighth of a turn, from the x axis to the y axis, in which a vector points.
+fn octant(x: f32, y: f32) -> u32 {
+    let flat = u32(abs(x) < abs(y));
+    if y < 0.0 {
+        return select(7u - flat, 4u + flat, x < 0.0);
+    }
+    return select(flat, 3u - flat, x < 0.0);
+}
+
+// The direction at `k` eighths of a turn from u to v.
+fn side(u: vec3<f32>, v: vec3<f32>, k: u32) -> vec3<f32> {
+    let quarter = (k & 2u) != 0u;
+    let even = select(u, v, quarter);
+    let odd = select(u + v, v - u, quarter) * 0.70710678;
+    let direction = select(even, odd, (k & 1u) != 0u);
+    return select(direction, -direction, (k & 4u) != 0u);
 }
 
 // Upper bound of the height of a body along a direction.

@@ -7,7 +7,6 @@
 use super::mesh_arena::MeshArena;
 use super::placed_mesh::PlacedMesh;
 use crate::state::Bodies;
-use glam::Vec3;
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 /// Upper bound of the distance from the axis of rotation of collider `i`, through its centre of mass, at which `j` may
@@ -24,23 +23,41 @@ pub fn arm(bodies: &Bodies, meshes: &MeshArena, [i, j]: [u32; 2], motion: f32) -
     };
     let (u, v) = axis.any_orthonormal_pair();
     let center = (other.frame.center - own.frame.center).as_vec3();
-    if center.dot(u).hypot(center.dot(v)) + motion >= own.radius {
-        return own.radius;
-    }
+    let most = own.radius - motion;
     let to_local = other.frame.rotation.transpose().as_mat3();
-    let height = |direction: Vec3| {
+    let directions = {
+        let (p, q) = ((u + v) * FRAC_1_SQRT_2, (v - u) * FRAC_1_SQRT_2);
+        [u, p, v, q, -u, -p, -v, -q]
+    };
+    let height = |k: usize| {
+        let direction = directions[k % 8];
         let local = other.scale * (to_local * direction);
         center.dot(direction) + local.dot(other.mesh.heights.support(local))
     };
-    let (p, q) = ((u + v) * FRAC_1_SQRT_2, (v - u) * FRAC_1_SQRT_2);
-    let heights = [u, p, v, q, -u, -p, -v, -q].map(height);
-    let mut square = 0.0_f32;
-    for (k, &one) in heights.iter().enumerate() {
-        let next = heights[(k + 1) % heights.len()];
-        square = square.max(2.0 * (one * one + next * next - SQRT_2 * one * next));
+    // The side towards the centre of `j` is probably the farthest: beyond the radius nothing else matters.
+    let first = octant(center.dot(u), center.dot(v));
+    let (mut one, mut square) = (height(first), 0.0_f32);
+    for k in first + 1..=first + 8 {
+        let next = height(k);
+        let corner = 2.0 * (one * one + next * next - SQRT_2 * one * next);
+        // Also if it is NaN.
+        if !(corner.sqrt() < most) {
+            return own.radius;
+        }
+        (one, square) = (next, square.max(corner));
     }
-    // Also if the square is NaN.
-    own.radius.min(square.sqrt() + motion)
+    square.sqrt() + motion
+}
+
+/// Number of the eighth of a turn, from the x axis to the y axis, in which a vector points.
+fn octant(x: f32, y: f32) -> usize {
+    let flat = usize::from(x.abs() < y.abs());
+    match (x < 0.0, y < 0.0) {
+        (false, false) => flat,
+        (true, false) => 3 - flat,
+        (true, true) => 4 + flat,
+        (false, true) => 7 - flat,
+    }
 }
 
 #[cfg(test)]
@@ -50,7 +67,7 @@ mod tests {
     use crate::geometry::shapes;
     use crate::state::Body;
     use crate::testing::scenes::any_vector;
-    use glam::Quat;
+    use glam::{Quat, Vec3};
 
     #[test]
     fn no_point_of_the_other_body_within_reach_is_farther_from_the_axis() {
