@@ -105,7 +105,8 @@
 //!
 //! For contacts, spheres are enlarged so that two of them overlap if the surfaces are within the *speculative margin*: one
 //! percent of the smaller body's size, plus a part for motion. That part is one and a half times the distance by which the
-//! surfaces may approach each other until the next search, but at most twice the thickness of the thinner body.
+//! surfaces may approach each other until the next search, but at most twice the thickness of the thinner body. Rotation
+//! counts where the other body may touch: the support heights of the other tell how far from the axis that is.
 //!
 //! ## Angles: support axes
 //!
