@@ -40,8 +40,7 @@ pub fn arm(bodies: &Bodies, meshes: &MeshArena, [i, j]: [u32; 2], motion: f32) -
     for k in first + 1..=first + 8 {
         let next = height(k);
         let corner = 2.0 * (one * one + next * next - SQRT_2 * one * next);
-        // Also if it is NaN.
-        if !(corner.sqrt() < most) {
+        if corner.is_nan() || corner.sqrt() >= most {
             return own.radius;
         }
         (one, square) = (next, square.max(corner));
