@@ -1,6 +1,6 @@
-//! A nut on a bolt: that of the scene `nut`, and one of external meshes if they are beside the checkout. Of these, at 64 Hz with default settings and 8
-//! substeps the thread is so thin that a step has five or six collision substeps of two substeps each. A step takes
-//! a third of a second with one thread, so the longer test is ignored by default.
+//! A nut on a bolt: that of the scene `nut`, and one of external meshes if they are beside the checkout. The thread of these is so
+//! thin that a step has eight collision substeps, the most of default settings. It takes a quarter of a second with two threads,
+//! so the longer test is ignored by default.
 
 use crate::world::World;
 use bevy_faceoff::state::{Body, BodyParams};
@@ -124,16 +124,16 @@ fn a_nut_goes_down_a_coarse_thread() {
 }
 
 /// `cargo test --release --test stages -- --ignored --nocapture smooth_nut`
-/// (2.01 mm per turn over 0.4 turns, never farther than 0.015 mm from the thread's line).
+/// (1.9994 mm per turn, never farther than 0.0047 mm from the thread's line).
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes 20 s"]
 fn a_smooth_nut_goes_down_its_thread() {
     if let Some(thread) = fine(0.0) {
         spun(thread, 1.0);
     }
 }
 
-/// 1.986 mm per turn, never farther than 0.0042 mm from the thread's line.
+/// 1.979 mm per turn, never farther than 0.0066 mm from the thread's line.
 #[test]
 fn a_rough_nut_goes_down_its_thread() {
     if let Some(thread) = fine(0.1) {
