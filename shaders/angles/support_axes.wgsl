@@ -32,6 +32,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let a = bodies[bodies_of_pair.x];
     let b = bodies[bodies_of_pair.y];
+    let margin = speculative_margin(step, a, b);
     if (a.inactive & b.inactive & t::COMPLETED) != 0u {
         // Both have completed their step, or one has and the other is static: the pair keeps its contact points.
         var kept: t::NearPair;
@@ -40,7 +41,7 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
         kept.near = t::NEAR;
         kept.view_a = t::VIEW_ALL;
         kept.view_b = t::VIEW_ALL;
-        kept.margin = speculative_margin(step, a, b);
+        kept.margin = margin;
         return kept;
     }
     let mesh_a = meshes[a.mesh];
@@ -57,7 +58,6 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let apart = rotate(back, ((b.position - a.position) + (anchor_b - anchor_a)) * unit);
     let error = PLACING_ERROR + 1.0e-6 * unit * (norm1(anchor_a) + norm1(anchor_b));
     let pad = 2.0 * error;
-    let margin = speculative_margin(step, a, b);
 
     var best: t::NearPair;
     best.a = bodies_of_pair.x;

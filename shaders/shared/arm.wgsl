@@ -3,8 +3,27 @@
 // How far from the axis of a body's rotation another body may touch it. The twin of `src/state/arm.rs`.
 
 #import faceoff::arena::{meshes, support}
-#import faceoff::math::{conjugate, rotate}
+#import faceoff::constants::shared::SAFETY
+#import faceoff::margins::{sway, sway_at}
+#import faceoff::math::{conjugate, rotate, tangent}
 #import faceoff::types as t
+
+// The arm of `own` within this time from now, at velocities that forces may change. The twin of `arm_within` in
+// `src/state/margins.rs`.
+fn arm_within(step: t::Step, own: t::Body, other: t::Body, time: f32) -> f32 {
+    let speed = relative_speed(own, other) + sway(step, other, time) + sway_at(step, own, time, 0.0);
+    return arm(own, other, SAFETY * speed * time);
+}
+
+// The speed of the bodies' centres relative to each other, m/s.
+fn relative_speed(a: t::Body, b: t::Body) -> f32 {
+    let v = velocity(b) - velocity(a);
+    return sqrt(dot(v, v));
+}
+
+fn velocity(body: t::Body) -> vec3<f32> {
+    return select(body.linear_velocity, vec3(0.0), (body.flags & t::KIND_MASK) == t::STATIC);
+}
 
 // Upper bound of the distance from the axis of rotation of collider `own`, through its centre of mass, at which `other` may
 // touch it, metres; no more than its bounding radius. `motion` bounds how far points of `other` move relative to that centre.
@@ -14,13 +33,9 @@ fn arm(own: t::Body, other: t::Body, motion: f32) -> f32 {
     if !(turn > 0.0) {
         return own.radius;
     }
-    // Two directions across the axis (Duff et al. 2017, Building an Orthonormal Basis, Revisited).
     let axis = w / turn;
-    let sign = select(1.0, -1.0, axis.z < 0.0);
-    let a = -1.0 / (sign + axis.z);
-    let b = axis.x * axis.y * a;
-    let u = vec3(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x);
-    let v = vec3(b, sign + axis.y * axis.y * a, -axis.y);
+    let u = tangent(axis);
+    let v = cross(axis, u);
 
     // The difference of two positions is rounded once, however far they are from the origin.
     let offset_own = rotate(own.rotation, own.scale * meshes[own.mesh].center);

@@ -149,6 +149,14 @@ fn descending(x: u32) -> f32 {
     return bitcast<f32>(select(~x, x ^ 0x80000000u, (x >> 31u) != 0u));
 }
 
+// A unit vector perpendicular to the unit vector n, continuous in n (Duff et al., "Building an Orthonormal Basis,
+// Revisited", 2017).
+fn tangent(n: vec3<f32>) -> vec3<f32> {
+    let side = select(1.0, -1.0, n.z < 0.0);
+    let a = -1.0 / (side + n.z);
+    return vec3(1.0 + side * n.x * n.x * a, side * n.x * n.y * a, -side * n.x);
+}
+
 // The power of two that scales a size to between 1 and 2.
 fn unit_of(size: f32) -> f32 {
     let exponent = clamp((bitcast<u32>(size) >> 23u) & 255u, 1u, 253u);

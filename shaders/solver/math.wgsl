@@ -18,14 +18,6 @@ fn finite_rotation(q: vec4<f32>) -> bool {
     return all((bitcast<vec4<u32>>(q) & vec4(EXPONENT)) != vec4(EXPONENT));
 }
 
-// A unit vector perpendicular to the unit vector n, continuous in n (Duff et al., "Building an Orthonormal Basis,
-// Revisited", 2017).
-fn tangent(n: vec3<f32>) -> vec3<f32> {
-    let side = select(1.0, -1.0, n.z < 0.0);
-    let a = -1.0 / (side + n.z);
-    return vec3(1.0 + side * n.x * n.x * a, side * n.x * n.y * a, -side * n.x);
-}
-
 // The displacement of v by the rotation q, without cancellation.
 fn rotation_displacement(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
     let t = 2.0 * cross(q.xyz, v);

@@ -3,7 +3,8 @@
 // Flat patches: where friction acts between two flat surfaces. The twin of `src/solver/patch.rs`.
 
 #import faceoff::constants::solver::{FLATNESS, INSIDE, MAX_PATCH_POINTS, SAME_NORMAL}
-#import faceoff::solver_math::{finite, tangent}
+#import faceoff::math::tangent
+#import faceoff::solver_math::finite
 #import faceoff::solver_types as s
 
 @group(0) @binding(7) var<storage, read_write> point_constants: array<s::PointConstants>;

@@ -6,8 +6,8 @@
 #import faceoff::constants::solver::ACTIVATION_DISTANCE
 #import faceoff::contact as c
 #import faceoff::contact::{body_states, collision_substep, point_constants, point_states, solver_pairs}
-#import faceoff::math::rotation_by
-#import faceoff::solver_math::{rotation_displacement, tangent}
+#import faceoff::math::{rotation_by, tangent}
+#import faceoff::solver_math::rotation_displacement
 #import faceoff::solver_types as s
 
 // The change of a body's pose `time` seconds after the start of the collision substep. A body that impulses do not move

@@ -1,11 +1,11 @@
 // Solver: the points of every pair, with the saved impulses that match them. One thread per pair.
 #import faceoff::constants::warm_start::{MAX_IMPULSE_SCALE, MAX_MATCHED}
 #import faceoff::dispatch::group_index
-#import faceoff::math::{compose, conjugate, rotate}
+#import faceoff::math::{compose, conjugate, rotate, tangent}
 #import faceoff::overlap as o
 #import faceoff::overlap::{contact_points, collision_substep, saved_pairs, saved_points}
 #import faceoff::patch::{point_constants, point_states, spread_friction}
-#import faceoff::solver_math::{tangent, finite, finite_vector}
+#import faceoff::solver_math::{finite, finite_vector}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 

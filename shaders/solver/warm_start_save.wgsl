@@ -1,6 +1,6 @@
 // Solver: saves pairs, points and impulses for the next collision substep. One thread per pair.
 #import faceoff::dispatch::group_index
-#import faceoff::solver_math::tangent
+#import faceoff::math::tangent
 #import faceoff::solver_types as s
 
 @group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;

@@ -1,10 +1,9 @@
 // Begin of a step that may need several collision substeps: in which groups bodies can meet each other, or something static,
 // and how fast they turn there. One thread per pair.
 #import faceoff::arena::{meshes, words, vector}
-#import faceoff::arm::arm
-#import faceoff::constants::shared::{SAFETY, TREE_LEVELS}
+#import faceoff::arm::arm_within
+#import faceoff::constants::shared::TREE_LEVELS
 #import faceoff::dispatch::{divide_up, group_index}
-#import faceoff::margins::{sway, sway_at}
 #import faceoff::math::{conjugate, rotate}
 #import faceoff::meeting::{add_spin, add_thickness, add_velocity, meetings, set_exists}
 #import faceoff::sweep::{is_solid, moves}
@@ -43,26 +42,22 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         add_velocity(root, vec3(0.0));
     }
     set_exists(root);
-    add_spin_near(root, a, b, body, neighbour);
-    add_spin_near(root, b, a, neighbour, body);
+    add_spin_near(root, a.spin, body, neighbour);
+    add_spin_near(root, b.spin, neighbour, body);
 }
 
 // Adds the speed at which the surface of a body moves relative to its centre of mass where `other` may touch it within the
-// step. The twin of `spin_near` in `src/step/reach.rs`.
-fn add_spin_near(root: u32, sweep: t::Sweep, other_sweep: t::Sweep, body: t::Body, other: t::Body) {
-    var spin = sweep.spin;
+// step. No part of it moves faster than `most`. The twin of `spin_near` in `src/step/reach.rs`.
+fn add_spin_near(root: u32, most: f32, body: t::Body, other: t::Body) {
     // Another surface of the group moves as fast.
-    if spin <= bitcast<f32>(atomicLoad(&meetings[root].spin)) {
+    if most <= bitcast<f32>(atomicLoad(&meetings[root].spin)) {
         return;
     }
+    var spin = most;
     // The axis of a body of several colliders does not pass through their centres.
     if body.center_offset == 0.0 {
-        let time = SAFETY * step.dt;
-        let way = other_sweep.travel - sweep.travel;
-        let push = sway_at(step, body, step.dt, 0.0);
-        let motion = sqrt(dot(way, way)) + time * (sway(step, other, step.dt) + push);
         let w = body.angular_velocity;
-        spin -= sqrt(dot(w, w)) * (body.radius - arm(body, other, motion));
+        spin -= sqrt(dot(w, w)) * (body.radius - arm_within(step, body, other, step.dt));
     }
     add_spin(root, spin);
 }

@@ -91,7 +91,7 @@ fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPai
     } = near;
     let [a, b] = pair.map(|i| i as usize);
     let count = config.dt / bodies.travel_time[a].max(bodies.travel_time[b]);
-    let at_rest = SpeculativeMargins::AtRest.at_rest(bodies, config, pair);
+    let at_rest = SpeculativeMargins::of_resting_pair(bodies, config, pair);
     // In each collision substep surfaces move by less than this, and by about the part without the safety factor.
     let travel = margin - at_rest;
     let most = DEEP_TRAVEL * config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);

@@ -73,37 +73,34 @@ impl SpeculativeMargins {
 
     /// The speculative margin of a pair, metres.
     pub fn of_pair(self, bodies: &Bodies, meshes: &MeshArena, config: &StepConfig, pair: [u32; 2]) -> f32 {
-        let at_rest = self.at_rest(bodies, config, pair);
-        if !matches!(self, Self::Moving { .. }) {
-            return at_rest;
+        let at_rest = Self::of_resting_pair(bodies, config, pair);
+        match self {
+            Self::None => return 0.0,
+            Self::AtRest => return at_rest,
+            Self::Moving { .. } => {}
         }
-        let indices @ [a, b] = pair.map(|i| i as usize);
-        let dt = bodies.travel_time[a].max(bodies.travel_time[b]);
-        let [v, w] = indices.map(|i| match bodies.kind[i] {
-            RigidBody::Static => Vec3::ZERO,
-            _ => bodies.linear_velocity[i],
-        });
-        let relative = (w - v).length();
-        let whole = indices.map(|i| sway(bodies, config, i, dt));
-        let near = [0, 1].map(|k| {
-            let i = indices[k];
-            // Where rotation adds little, a smaller margin saves less than it costs to know.
+        let [a, b] = pair;
+        let [first, second] = pair.map(|i| i as usize);
+        let dt = bodies.travel_time[first].max(bodies.travel_time[second]);
+        let sway_near = |pair @ [i, _]: [u32; 2]| {
+            let i = i as usize;
             let spin = bodies.angular_velocity[i].length() * bodies.radius[i];
-            if whole[k] == 0.0 || SAFETY * spin * dt <= at_rest {
-                return whole[k];
+            // Where rotation adds little, a smaller margin saves less than it costs to know.
+            if bodies.kind[i] == RigidBody::Static || SAFETY * spin * dt <= at_rest {
+                sway(bodies, config, i, dt)
+            } else {
+                sway_at(bodies, config, i, dt, arm_within(bodies, meshes, config, pair, dt))
             }
-            let motion = SAFETY * (relative + whole[1 - k] + sway_at(bodies, config, i, dt, 0.0)) * dt;
-            let arm = arm(bodies, meshes, [pair[k], pair[1 - k]], motion);
-            sway_at(bodies, config, i, dt, arm)
-        });
-        let bound = BOUND * bodies.thickness[a].min(bodies.thickness[b]);
-        at_rest + (SAFETY * (relative + near[0] + near[1]) * dt).min(bound)
+        };
+        let speed = relative_speed(bodies, pair) + sway_near([a, b]) + sway_near([b, a]);
+        let bound = BOUND * bodies.thickness[first].min(bodies.thickness[second]);
+        at_rest + (SAFETY * speed * dt).min(bound)
     }
 
-    /// The speculative margin of a pair that does not move, metres.
-    pub fn at_rest(self, bodies: &Bodies, config: &StepConfig, pair: [u32; 2]) -> f32 {
+    /// The speculative margin of a pair without relative motion, metres.
+    pub fn of_resting_pair(bodies: &Bodies, config: &StepConfig, pair: [u32; 2]) -> f32 {
         let [a, b] = pair.map(|i| bodies.radius[i as usize]);
-        self.contact_margin(config) * 2.0 * a.min(b)
+        config.solver.margin() * 2.0 * a.min(b)
     }
 
     /// The contact margin in units of the smaller body's diameter.
@@ -114,6 +111,22 @@ impl SpeculativeMargins {
             config.solver.margin()
         }
     }
+}
+
+/// The [`arm`] of collider `i` near `j` within `dt` seconds, at velocities that forces may change, metres.
+pub(crate) fn arm_within(bodies: &Bodies, meshes: &MeshArena, config: &StepConfig, pair: [u32; 2], dt: f32) -> f32 {
+    let [own, other] = pair.map(|i| i as usize);
+    let speed = relative_speed(bodies, pair) + sway(bodies, config, other, dt) + sway_at(bodies, config, own, dt, 0.0);
+    arm(bodies, meshes, pair, SAFETY * speed * dt)
+}
+
+/// The speed of the colliders' centres relative to each other, m/s.
+fn relative_speed(bodies: &Bodies, pair: [u32; 2]) -> f32 {
+    let [v, w] = pair.map(|i| match bodies.kind[i as usize] {
+        RigidBody::Static => Vec3::ZERO,
+        _ => bodies.linear_velocity[i as usize],
+    });
+    (w - v).length()
 }
 
 /// Upper bound of the speed that rotation, gravity and external forces add to a body's surface within `dt` seconds, m/s.

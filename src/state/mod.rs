@@ -15,7 +15,7 @@
 //! | [`margins`], `arm` | speculative margins, and how far from a body's axis others may touch it |
 //! | `inactive` | pairs that sleep and need no work |
 
-pub(crate) mod arm;
+mod arm;
 pub mod bodies;
 pub mod body;
 pub mod compound;

@@ -15,8 +15,7 @@ use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::solver::SolverBodies;
 use crate::solver::speeds::Speeds;
-use crate::state::arm::arm;
-use crate::state::margins::{SAFETY, SpeculativeMargins, sway, sway_at};
+use crate::state::margins::{SAFETY, SpeculativeMargins, arm_within, sway};
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig, StepInput};
 use crate::types::body::RigidBody;
@@ -185,24 +184,16 @@ impl Meeting {
     }
 }
 
-/// How fast the surface of body `i` moves relative to its centre of mass where `j` may touch it within the step, m/s, if no
-/// part of it moves faster than `spin`.
-fn spin_near(bodies: &Bodies, meshes: &MeshArena, config: &StepConfig, [i, j]: [u32; 2], spin: f32) -> f32 {
-    let dt = config.dt;
-    let [own, other] = [i, j].map(|i| i as usize);
+/// How fast the surface of the first body moves relative to its centre of mass where the second may touch it within the step,
+/// m/s. No part of it moves faster than `most`.
+fn spin_near(bodies: &Bodies, meshes: &MeshArena, config: &StepConfig, pair: [u32; 2], most: f32) -> f32 {
+    let [i, _] = pair;
     if bodies.part(i).is_some_and(|part| part.offset != DVec3::ZERO) {
         // Its axis does not pass through this collider's centre.
-        return spin;
+        return most;
     }
-    let velocity = |i: usize| match bodies.kind[i] {
-        RigidBody::Static => Vec3::ZERO,
-        _ => bodies.linear_velocity[i],
-    };
-    let relative = (velocity(other) - velocity(own)).length();
-    let push = sway_at(bodies, config, own, dt, 0.0);
-    let motion = SAFETY * (relative + sway(bodies, config, other, dt) + push) * dt;
-    let less = bodies.radius[own] - arm(bodies, meshes, [i, j], motion);
-    spin - bodies.angular_velocity[own].length() * less
+    let less = bodies.radius[i as usize] - arm_within(bodies, meshes, config, pair, config.dt);
+    most - bodies.angular_velocity[i as usize].length() * less
 }
 
 /// The sphere that a body sweeps over in a step, with the part of its margin that does not depend on a direction.
