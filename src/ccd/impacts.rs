@@ -100,6 +100,10 @@ const MAX_HALVINGS: u32 = 12;
 ///   body that is carried by one body and collides with another that carries is squeezed. It continues with the one
 ///   that yields less: static before kinematic before dynamic. It may then overlap the other one.
 ///
+/// A body that `touches` another at the start, with the normal that leads from the first to the second, slides along it at the
+/// first impact, and is carried from the second on: it is pressed against that body, and carried round by one that rotates it
+/// would keep a velocity that it does not follow.
+///
 /// For pairs that start nearer than `target_distance` that distance is halved, up to 12 times. Pairs that start nearer
 /// than the smallest, or overlap, collide at once. `sweeps` and `continuous` have an entry for each of `bodies`;
 /// missing entries count as not continuous. Only sweeps of bodies in `pairs` matter. Pairs are pairs of colliders, and
@@ -121,6 +125,7 @@ pub fn find_impacts(
     continuous: &[bool],
     pairs: &[[u32; 2]],
     target_distance: impl Fn([u32; 2]) -> f32 + Sync,
+    touches: impl Fn([u32; 2]) -> Option<DVec3>,
     scratch: &mut ImpactScratch,
     impacts: &mut Vec<Impact>,
 ) {
@@ -194,6 +199,7 @@ pub fn find_impacts(
         sweep: sweeps[body as usize],
         group,
         first_impact: f64::INFINITY,
+        slides: false,
     }));
     let ground = Ground { bodies, planes, pass };
     let is_continuous = |member: u32| is_continuous(members[member as usize]);
@@ -211,10 +217,21 @@ pub fn find_impacts(
         if groups[0] == groups[1] {
             continue;
         }
-        match groups.map(|group| !is_continuous(group)) {
+        let carries = groups.map(|group| !is_continuous(group));
+        match carries {
             [false, false] => motions.merge_groups(&ground, groups, time),
-            [true, false] => motions.carry_group(&ground, groups[0], time, groups[1]),
-            [false, true] => motions.carry_group(&ground, groups[1], time, groups[0]),
+            [true, false] | [false, true] => {
+                let side = usize::from(carries[0]);
+                let (carrier, group) = (groups[1 - side], groups[side]);
+                let normal = touches(pairs[at]).filter(|_| motions.may_slide(group));
+                match normal {
+                    Some(normal) => {
+                        let normal = if side == 1 { normal } else { -normal };
+                        motions.slide(&ground, carrier, time, group, normal);
+                    }
+                    None => motions.carry_group(&ground, carrier, time, group),
+                }
+            }
             [true, true] => {
                 let mobility = |group: u32| match bodies.kind[members[group as usize] as usize] {
                     RigidBody::Static => 0,

@@ -2,7 +2,7 @@
 
 use super::Sweep;
 use crate::state::{Bodies, Plane};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use std::cmp::Ordering;
 
 /// The motion of a body from some time on.
@@ -19,6 +19,8 @@ pub(super) struct Motion {
     pub group: u32,
     /// Time of its first impact, infinite if there is none.
     pub first_impact: f64,
+    /// It has slid along a body that it touches.
+    pub slides: bool,
 }
 
 /// The motions of the bodies of the pairs.
@@ -134,24 +136,60 @@ impl Motions {
         }
     }
 
-    /// From `time` on the body at a place is carried by that at the place `carrier`, as if rigidly attached to it.
-    pub fn carry(&mut self, ground: &Ground<impl Fn([u32; 2]) -> bool>, carrier: u32, time: f64, place: u32) {
-        let carrying = self.all[carrier as usize].after(time);
-        let rotation = carrying.at(1.0).rotation * carrying.before.rotation.inverse();
+    /// From `time` on the body at a place, a group of its own, slides along that at the place `carrier`, whose surface it
+    /// touches there: it only does not come nearer. `normal` leads from that surface to the body, at the start of the collision
+    /// substep.
+    pub fn slide(
+        &mut self,
+        ground: &Ground<impl Fn([u32; 2]) -> bool>,
+        carrier: u32,
+        time: f64,
+        place: u32,
+        normal: DVec3,
+    ) {
+        let carrying = self.all[carrier as usize].sweep;
+        let normal = DQuat::from_scaled_axis(carrying.turn) * normal;
+        let carried = self.travel_with(carrier, time, place);
         let motion = &mut self.all[place as usize];
         let own = motion.after(time);
-        let offset = own.before.center - carrying.before.center;
-        // Exactly zero without rotation.
-        let rotation_travel = if carrying.turn == DVec3::ZERO {
-            DVec3::ZERO
-        } else {
-            rotation * offset - offset
-        };
         let body = motion.body as usize;
         let locked = ground.bodies.params[body].locked_axes;
-        let travel = ground.limit_penetration(body, &own, carrying.travel + rotation_travel);
+        let pushed = own.travel + normal * (carried - own.travel).dot(normal).max(0.0);
+        let travel = ground.limit_penetration(body, &own, pushed) * locked.free_translation().as_dvec3();
+        let group = motion.group;
+        motion.change(time, group, travel, own.turn);
+        motion.slides = true;
+        self.changed.push(place);
+    }
+
+    /// How far the body at a place travels after `time` if it is attached to that at the place `carrier`.
+    fn travel_with(&self, carrier: u32, time: f64, place: u32) -> DVec3 {
+        let carrying = self.all[carrier as usize].after(time);
+        let offset = self.all[place as usize].after(time).before.center - carrying.before.center;
+        // Exactly zero without rotation.
+        if carrying.turn == DVec3::ZERO {
+            return carrying.travel;
+        }
+        let rotation = carrying.at(1.0).rotation * carrying.before.rotation.inverse();
+        carrying.travel + (rotation * offset - offset)
+    }
+
+    /// Whether a group has one member, which is not carried and has not slid.
+    pub fn may_slide(&self, group: u32) -> bool {
+        self.next[group as usize] == group && !self.all[group as usize].slides
+    }
+
+    /// From `time` on the body at a place is carried by that at the place `carrier`, as if rigidly attached to it.
+    pub fn carry(&mut self, ground: &Ground<impl Fn([u32; 2]) -> bool>, carrier: u32, time: f64, place: u32) {
+        let turn = self.all[carrier as usize].after(time).turn;
+        let carried = self.travel_with(carrier, time, place);
+        let motion = &mut self.all[place as usize];
+        let own = motion.after(time);
+        let body = motion.body as usize;
+        let locked = ground.bodies.params[body].locked_axes;
+        let travel = ground.limit_penetration(body, &own, carried);
         let travel = travel * locked.free_translation().as_dvec3();
-        motion.change(time, carrier, travel, carrying.turn * locked.free_rotation().as_dvec3());
+        motion.change(time, carrier, travel, turn * locked.free_rotation().as_dvec3());
         self.changed.push(place);
     }
 }
@@ -199,6 +237,7 @@ impl Motion {
             },
             group,
             first_impact: self.first_impact.min(time),
+            slides: self.slides,
         };
     }
 }

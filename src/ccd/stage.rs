@@ -12,6 +12,9 @@ use std::f64::consts::TAU;
 /// gap, so that bodies that slide along each other are not stopped.
 const TARGET_DISTANCE: f32 = 0.25;
 
+/// Bodies whose gap is smaller than this touch, in units of that distance: one and a half times the gap of bodies at rest.
+const TOUCHING: f32 = 1.5 / TARGET_DISTANCE;
+
 /// Impacts of the step so far, and memory that is reused.
 #[derive(Default)]
 pub(crate) struct Ccd {
@@ -104,6 +107,10 @@ impl Ccd {
             nearest(manifolds.find(pair, bodies.len() as u32))
                 .is_some_and(|point| point.separation < -target_distance(pair))
         };
+        let touches = |pair: [u32; 2]| {
+            let point = nearest(manifolds.find(pair, bodies.len() as u32))?;
+            (point.separation < TOUCHING * target_distance(pair)).then(|| point.normal.as_dvec3())
+        };
         solid_pairs.extend(pairs.iter().copied().filter(can_collide).filter(|&pair| !overlap(pair)));
         if solid_pairs.is_empty() && sensor_pairs.is_empty() {
             return;
@@ -126,6 +133,7 @@ impl Ccd {
             continuous,
             solid_pairs,
             target_distance,
+            touches,
             impact_scratch,
             impacts,
         );
@@ -176,16 +184,7 @@ impl Ccd {
 
 /// The motion of body `i` from its pose in `bodies` to that in `solver_bodies`.
 fn sweep(bodies: &Bodies, solver_bodies: &SolverBodies, i: usize) -> Sweep {
-    let before = match bodies.compound_of(i as u32) {
-        Some(compound) => Pose {
-            center: compound.center,
-            rotation: compound.rotation,
-        },
-        None => Pose {
-            center: bodies.frame[i].center,
-            rotation: bodies.rotation[i].as_dquat().normalize(),
-        },
-    };
+    let before = Pose::of(bodies, i);
     let motion = &solver_bodies.motions[i];
     let after = Pose {
         center: motion.center,

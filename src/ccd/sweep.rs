@@ -1,5 +1,6 @@
 //! The motion of a body during a collision substep.
 
+use crate::state::Bodies;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Position and rotation of a body.
@@ -9,6 +10,22 @@ pub struct Pose {
     pub center: DVec3,
     /// From the body's axes to the world's; of unit length.
     pub rotation: DQuat,
+}
+
+impl Pose {
+    /// The pose of body `i`.
+    pub(super) fn of(bodies: &Bodies, i: usize) -> Self {
+        match bodies.compound_of(i as u32) {
+            Some(compound) => Self {
+                center: compound.center,
+                rotation: compound.rotation,
+            },
+            None => Self {
+                center: bodies.frame[i].center,
+                rotation: bodies.rotation[i].as_dquat().normalize(),
+            },
+        }
+    }
 }
 
 /// The motion of a body during a collision substep: its centre of mass moves along a line at constant velocity, and it

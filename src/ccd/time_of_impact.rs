@@ -83,7 +83,7 @@ pub(super) fn advance(
 }
 
 /// Sets up the search; `None` if the bounding spheres never meet.
-fn search<'a>(
+pub(super) fn search<'a>(
     bodies: &Bodies,
     meshes: &'a MeshArena,
     pair: [u32; 2],

@@ -1,5 +1,6 @@
 //! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
+mod arrival;
 mod boxed;
 mod candidates;
 pub(super) mod contour;
@@ -27,6 +28,7 @@ pub(super) mod side;
 mod small_triangle;
 pub(super) mod smooth;
 
+pub(super) use arrival::Motion;
 pub(crate) use feature::Feature;
 pub(crate) use feature_ids::feature_ids;
 pub(crate) use kept::Kept;
@@ -44,8 +46,7 @@ use rayon::prelude::*;
 /// Memory kept between steps.
 #[derive(Default)]
 pub struct Scratch {
-    /// Result lists, one per task.
-    tasks: Vec<Manifolds>,
+    tasks: Vec<Task>,
     workers: PerThread<Worker>,
     kept: KeptPairs,
 }
@@ -81,6 +82,13 @@ impl Scratch {
     }
 }
 
+/// The results of a task.
+#[derive(Default)]
+struct Task {
+    manifolds: Manifolds,
+    dropped: Vec<[u32; 2]>,
+}
+
 /// Pairs per task: small enough to balance the load, large enough to keep the scratch memory in cache.
 const TASK: usize = 16;
 
@@ -99,8 +107,13 @@ pub fn run(
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
-    let pairs: Vec<Wanted> = pairs.iter().map(|&pair| Wanted { pair, reuse: None }).collect();
-    run_some(bodies, meshes, &pairs, |_| false, scratch, manifolds);
+    let wanted = |&pair| Wanted {
+        pair,
+        reuse: None,
+        motion: None,
+    };
+    let pairs: Vec<Wanted> = pairs.iter().map(wanted).collect();
+    run_some(bodies, meshes, &pairs, |_| false, scratch, manifolds, &mut Vec::new());
 }
 
 /// A pair whose contact points are wanted.
@@ -110,10 +123,12 @@ pub(super) struct Wanted {
     pub pair: MarginPair,
     /// When points of the same step will do; `None` if they are always found anew.
     pub reuse: Option<Reuse>,
+    /// How the bodies move; `None` if all points count.
+    pub motion: Option<Motion>,
 }
 
-/// The same, where pairs may reuse points, and those that are left out keep what they have found for later calls if they
-/// are to `wait`.
+/// The same, where pairs may reuse points or move, and those that are left out keep what they have found for later calls if
+/// they are to `wait`. Writes the pairs of which points were `dropped`, because the bodies fly past each other there.
 pub(super) fn run_some(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -121,10 +136,11 @@ pub(super) fn run_some(
     waits: impl Fn([u32; 2]) -> bool,
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
+    dropped: &mut Vec<[u32; 2]>,
 ) {
     let wanted = pairs.len().div_ceil(TASK);
     if scratch.tasks.len() < wanted {
-        scratch.tasks.resize_with(wanted, Manifolds::default);
+        scratch.tasks.resize_with(wanted, Task::default);
     }
     let Scratch { tasks, workers, kept } = scratch;
     let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
@@ -133,23 +149,28 @@ pub(super) fn run_some(
     let numbers = pairs.iter().map(|wanted| wanted.pair.bodies);
     let kept = kept.of(numbers, waits).par_chunks_mut(TASK);
     let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK)).zip(kept);
-    loops::for_each(parts, 1, |((task, pairs), kept)| {
-        task.clear();
+    loops::for_each(parts, 1, |((Task { manifolds, dropped }, pairs), kept)| {
+        manifolds.clear();
+        dropped.clear();
         let mut worker = workers.lock();
         for (wanted, kept) in pairs.iter().zip(kept) {
-            let first = task.points.len();
-            let (kept, points) = (&mut kept.kept, &mut task.points);
-            add_points(bodies, meshes, wanted, &mut worker, kept, threads, points);
-            task.end_pair(wanted.pair.bodies, first);
+            let first = manifolds.points.len();
+            let (kept, points) = (&mut kept.kept, &mut manifolds.points);
+            if !add_points(bodies, meshes, wanted, &mut worker, kept, threads, points) {
+                dropped.push(wanted.pair.bodies);
+            }
+            manifolds.end_pair(wanted.pair.bodies, first);
         }
     });
     manifolds.clear();
+    dropped.clear();
     for task in tasks.iter() {
-        for pair in &task.pairs {
+        for pair in &task.manifolds.pairs {
             let first = manifolds.points.len();
-            manifolds.points.extend_from_slice(task.points_of(pair));
+            manifolds.points.extend_from_slice(task.manifolds.points_of(pair));
             manifolds.end_pair(pair.bodies, first);
         }
+        dropped.extend_from_slice(&task.dropped);
     }
 }
 
@@ -157,7 +178,11 @@ pub(super) fn run_some(
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifolds {
     let mut manifolds = Manifolds::default();
     let (mut worker, mut kept) = (Worker::default(), Kept::default());
-    let wanted = Wanted { pair, reuse: None };
+    let wanted = Wanted {
+        pair,
+        reuse: None,
+        motion: None,
+    };
     add_points(
         bodies,
         meshes,
@@ -171,7 +196,7 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifol
     manifolds
 }
 
-/// Appends the contact points of a pair, if both bodies exist.
+/// Appends the contact points of a pair, if both bodies exist. Tells whether these are all: none was dropped.
 fn add_points(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -181,27 +206,32 @@ fn add_points(
             margin,
         },
         reuse,
+        motion,
     }: &Wanted,
     worker: &mut Worker,
     kept: &mut Kept,
     threads: usize,
     points: &mut Vec<ManifoldPoint>,
-) {
+) -> bool {
     let Some(pair) = pair_of_bodies(bodies, meshes, *numbers) else {
-        return;
+        return true;
     };
     let is_done = |reuse: &Reuse| kept.found.move_to(&pair, bodies, *numbers, reuse, points);
     if reuse.as_ref().is_some_and(is_done) {
-        return;
+        return true;
     }
     let first = points.len();
-    let chosen = worker.reduced(&pair, *margin, kept, threads);
+    let (chosen, dropped) = match motion {
+        Some(motion) => worker.reduced_in_motion(&pair, *margin, motion, kept, threads),
+        None => (worker.reduced(&pair, *margin, kept, threads), false),
+    };
     let offsets = numbers.map(|i| bodies.frame[i as usize].offset().as_vec3());
     points.extend(chosen.iter().map(|feature| pair.point(feature).0.shifted(offsets)));
     if let Some(reuse) = reuse {
         kept.found
             .set(&pair, bodies, *numbers, *margin, reuse.step, &points[first..]);
     }
+    !dropped
 }
 
 /// The two placed bodies; `None` if the indices name no pair of bodies.

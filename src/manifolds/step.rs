@@ -1,12 +1,14 @@
 //! Contact generation within a step: new manifolds of active pairs, reused ones of inactive pairs.
 
 use super::MarginPair;
-use super::cpu::{self, Reuse, Wanted, planes};
+use super::cpu::{self, Motion, Reuse, Wanted, planes};
 use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::pair_order;
 use crate::state::margins::{SAFETY, SpeculativeMargins};
 use crate::state::mesh_arena::MeshArena;
+use crate::state::travel::Travel;
 use crate::state::{Bodies, Manifolds, NearPair, Plane, StepConfig};
+use crate::types::settings::Response;
 
 /// Memory kept between steps.
 #[derive(Default)]
@@ -18,6 +20,7 @@ pub(crate) struct Scratch {
     /// Manifolds of the last collision substep.
     before: Manifolds,
     meshes: cpu::Scratch,
+    dropped: Vec<[u32; 2]>,
     planes: planes::Scratch,
 }
 
@@ -31,6 +34,11 @@ impl Scratch {
     /// the other.
     pub fn is_apart(&self, bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> bool {
         self.meshes.is_apart(bodies, meshes, pair)
+    }
+
+    /// The pairs of which the last call of [`find`] dropped speculative points, because they fly past each other there.
+    pub fn dropped(&self) -> &[[u32; 2]] {
+        &self.dropped
     }
 
     /// Returns memory, but for that of the last manifolds and of what pairs keep.
@@ -74,7 +82,15 @@ pub(crate) fn find(
     // Pairs that have completed their step go on in the next one.
     let has_completed = |i: u32| bodies.travel_time_of(i as usize) == 0.0;
     let waits = |pair: [u32; 2]| pair.into_iter().all(has_completed);
-    cpu::run_some(bodies, meshes, &scratch.pairs, waits, &mut scratch.meshes, manifolds);
+    cpu::run_some(
+        bodies,
+        meshes,
+        &scratch.pairs,
+        waits,
+        &mut scratch.meshes,
+        manifolds,
+        &mut scratch.dropped,
+    );
     let wanted = |pair| is_awake(pair) && wanted(pair);
     planes::find(bodies, meshes, planes, config, wanted, &mut scratch.planes, manifolds);
 }
@@ -103,6 +119,22 @@ fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPai
             travel: most - travel,
             depth: at_rest,
         }),
+        motion: (config.response == Response::Contacts).then(|| motion_of(config, bodies, pair)),
+    }
+}
+
+/// How a pair moves until the next collision substep.
+fn motion_of(config: &StepConfig, bodies: &Bodies, pair: [u32; 2]) -> Motion {
+    let [a, b] = pair.map(|i| Travel::of(bodies, config, i as usize));
+    let smaller = pair
+        .map(|i| bodies.radius[i as usize])
+        .into_iter()
+        .fold(f32::INFINITY, f32::min);
+    Motion {
+        travel: b.linear - a.linear,
+        fall: b.fall - a.fall,
+        turns: [a.turn, b.turn],
+        rest_offset: f64::from(config.solver.rest_offset * 2.0 * smaller),
     }
 }
 

@@ -184,6 +184,17 @@ impl Bodies {
         self.surface_response(i, &self.forces_on(i).in_a_second())
     }
 
+    /// The acceleration of a collider by gravity and by the external force on its body, m/s².
+    pub(crate) fn acceleration(&self, i: usize, gravity: Vec3) -> Vec3 {
+        if self.kind[i] != RigidBody::Dynamic {
+            return Vec3::ZERO;
+        }
+        let body = self.body_of(i as u32) as usize;
+        let push = self.params[body].forces.force * self.inverse_mass[i];
+        let push = push.clamp_length_max(MAX_ACCELERATION);
+        (gravity * self.gravity_scale[i] + push) * self.params[body].locked_axes.free_translation()
+    }
+
     fn forces_on(&self, i: usize) -> &ExternalForces {
         &self.params[self.body_of(i as u32) as usize].forces
     }

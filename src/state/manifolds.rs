@@ -97,6 +97,30 @@ impl Manifolds {
         }
     }
 
+    /// Writes into `all` these manifolds with further points, whose pairs ascend and are of bodies, not planes.
+    pub(crate) fn with_points(&self, added: &[([u32; 2], ManifoldPoint)], first_plane: u32, all: &mut Self) {
+        all.clear();
+        all.surfaces.extend_from_slice(&self.surfaces);
+        let mut added = added.iter().peekable();
+        let mut add_alone = |all: &mut Self, until: Option<(bool, [u32; 2])>| {
+            let is_before = |pair: [u32; 2]| until.is_none_or(|until| pair_order(pair, first_plane) < until);
+            while let Some((pair, point)) = added.next_if(|(pair, _)| is_before(*pair)) {
+                let first = all.points.len();
+                all.points.push(*point);
+                all.end_pair(*pair, first);
+            }
+            added.next_if(|(pair, _)| Some(pair_order(*pair, first_plane)) == until)
+        };
+        for pair in &self.pairs {
+            let more = add_alone(all, Some(pair_order(pair.bodies, first_plane)));
+            let first = all.points.len();
+            all.points.extend_from_slice(self.points_of(pair));
+            all.points.extend(more.map(|(_, point)| *point));
+            all.end_pair(pair.bodies, first);
+        }
+        add_alone(all, None);
+    }
+
     /// Contact points of a pair, which must be in ascending order; empty if it has none. Plane `i` has the number
     /// `first_plane + i`.
     pub(crate) fn find(&self, bodies: [u32; 2], first_plane: u32) -> &[ManifoldPoint] {

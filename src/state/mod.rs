@@ -13,6 +13,7 @@
 //! | [`manifolds`] | contact manifolds, the input of the solver |
 //! | [`results`] | all results of a step |
 //! | [`margins`], `arm` | speculative margins, and how far from a body's axis others may touch it |
+//! | `travel` | how colliders move if nothing stops them |
 //! | `inactive` | pairs that sleep and need no work |
 
 mod arm;
@@ -38,6 +39,7 @@ pub(crate) mod part_index;
 pub mod placed_mesh;
 pub mod planes;
 pub mod results;
+pub(crate) mod travel;
 
 pub use bodies::{Bodies, Frame};
 pub use body::{Body, BodyParams, Motion};

@@ -184,22 +184,31 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
             }
         }
         Part::TestTriangles => test_triangles(input, results, scratch),
-        Part::FindContactPoints => manifolds::step::find(
-            number,
-            &config,
-            &input.bodies,
-            &input.meshes,
-            &input.planes,
-            &results.near_pairs,
-            &scratch.inactive,
-            |pair| !scratch.left_out.contains_plane_pair(pair),
-            |pair| {
-                let touching = &results.contacts.pairs;
-                touching.binary_search_by_key(&pair, |touching| touching.bodies).is_ok()
-            },
-            &mut scratch.manifolds,
-            &mut results.manifolds,
-        ),
+        Part::FindContactPoints => {
+            manifolds::step::find(
+                number,
+                &config,
+                &input.bodies,
+                &input.meshes,
+                &input.planes,
+                &results.near_pairs,
+                &scratch.inactive,
+                |pair| !scratch.left_out.contains_plane_pair(pair),
+                |pair| {
+                    let touching = &results.contacts.pairs;
+                    touching.binary_search_by_key(&pair, |touching| touching.bodies).is_ok()
+                },
+                &mut scratch.manifolds,
+                &mut results.manifolds,
+            );
+            scratch.first_contacts.add(
+                &config,
+                &input.bodies,
+                &input.meshes,
+                scratch.manifolds.dropped(),
+                &mut results.manifolds,
+            );
+        }
         Part::ReuseContactPoints => {
             manifolds::step::reuse(
                 &scratch.inactive,

@@ -4,6 +4,7 @@
 use super::hooks::LeftOut;
 use super::reach::Reach;
 use super::schedule::Schedule;
+use crate::ccd::first_contact::FirstContacts;
 use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
 use crate::sleep::cpu::Sleeper;
@@ -40,6 +41,7 @@ pub struct StepScratch {
     pub(crate) touches: Touches,
     /// Continuous collision detection, with the impacts of the step so far.
     pub(crate) ccd: Ccd,
+    pub(crate) first_contacts: FirstContacts,
     /// Most near pairs of a collision substep, if the first one has left pairs out.
     pub(crate) most_near_pairs: Option<usize>,
     pub(crate) solver: Solver,
@@ -68,6 +70,7 @@ impl StepScratch {
         self.age = 0;
         self.touches = Touches::default();
         self.ccd = Ccd::default();
+        self.first_contacts = FirstContacts::default();
         self.solver = Solver::default();
         self.angles = angles::cpu::Scratch::default();
         self.triangle_test = triangle_test::cpu::Scratch::default();

@@ -62,6 +62,7 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
             &[false, true],
             &[[0, 1]],
             |_| TARGET_DISTANCE,
+            |_| None,
             &mut scratch,
             &mut impacts,
         );

@@ -34,6 +34,7 @@ fn impacts_that_pass(
         continuous,
         pairs,
         |_| TARGET_DISTANCE,
+        |_| None,
         scratch,
         &mut impacts,
     );

@@ -4,9 +4,9 @@
 mod bullets;
 mod flights;
 mod impacts;
-mod oracle;
+pub mod oracle;
 mod random;
-mod shapes;
+pub mod shapes;
 mod special;
 mod time_of_impact;
 mod timing;

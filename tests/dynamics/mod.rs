@@ -6,6 +6,7 @@ mod chain;
 mod cloud;
 mod compounds;
 mod elastic;
+mod fly_past;
 mod groups;
 mod hammers;
 mod incline;

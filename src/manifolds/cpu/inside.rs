@@ -85,6 +85,16 @@ fn push_out(outer: &Side, inner: &Side, start: DVec3, outer_is_first: bool) -> F
 
 /// Nearest point of a body's surface to `p`, and its triangle.
 fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
+    nearest_within(side, p, f64::INFINITY).unwrap_or((side.vertex(0), 0))
+}
+
+/// Whether a body's surface is no farther from `p` than `distance`.
+pub fn is_near(side: &Side, p: DVec3, distance: f64) -> bool {
+    nearest_within(side, p, distance).is_some()
+}
+
+/// Nearest point of a body's surface to `p`, and its triangle, if it is no farther than `most`.
+fn nearest_within(side: &Side, p: DVec3, most: f64) -> Option<(DVec3, u32)> {
     let mesh = &side.mesh.mesh;
     let lanes = side.mesh.lanes();
     let local = side.to_mesh(p);
@@ -96,7 +106,7 @@ fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
     let (scales, sizes) = (splat_point(simd, side.scale), splat_point(simd, side.scale.abs()));
     let pad = PAD * ((lanes.aabb.max - lanes.aabb.min) * side.scale).length();
     let pads = splat_point(simd, Vec3::splat(pad));
-    let best = Cell::new((f64::INFINITY, side.vertex(0), 0));
+    let best = Cell::new((most * most, None));
     let met = |group: &BoxGroup| {
         let apart = sub(mul(load_points(simd, &group.center), scales), from);
         let half = load_points(simd, &group.half);
@@ -111,12 +121,11 @@ fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
             let corners = side.features.triangles[t].map(|v| side.vertex(v));
             let q = closest(p, &corners);
             let distance = q.distance_squared(p);
-            if distance < best.get().0 {
-                best.set((distance, q, t as u32));
+            if distance <= best.get().0 {
+                best.set((distance, Some((q, t as u32))));
             }
         }
         true
     });
-    let (_, q, triangle) = best.get();
-    (q, triangle)
+    best.get().1
 }

@@ -1,5 +1,6 @@
 //! Contact generation of one pair: its features, contours and reduced manifold.
 
+use super::arrival::{Arrival, Motion};
 use super::contour::{Contours, Patch};
 use super::crossing::Segment;
 use super::feature::{Feature, Origin};
@@ -62,6 +63,23 @@ impl Worker {
     pub fn reduced(&mut self, pair: &Pair, margin: f32, kept: &mut Kept, threads: usize) -> &[Feature] {
         self.all(pair, margin, kept, threads);
         self.reduction.run(&mut self.features, pair.size)
+    }
+
+    /// The reduced manifold of a pair in motion, of the features that count, and whether others were dropped; see
+    /// [`Arrival`].
+    pub fn reduced_in_motion(
+        &mut self,
+        pair: &Pair,
+        margin: f32,
+        motion: &Motion,
+        kept: &mut Kept,
+        threads: usize,
+    ) -> (&[Feature], bool) {
+        let count = self.all(pair, margin, kept, threads).len();
+        let mut arrival = Arrival::new(pair, motion);
+        self.features.retain(|feature| arrival.counts(feature));
+        let dropped = self.features.len() < count;
+        (self.reduction.run(&mut self.features, pair.size), dropped)
     }
 
     /// Writes all features of the pair.
@@ -266,6 +284,11 @@ impl<'a> Pair<'a> {
             relative_rotation,
             rotation: a.frame.rotation,
         }
+    }
+
+    /// A vector in the axes of the first body, from one in world axes.
+    pub fn to_first_axes(&self, v: DVec3) -> DVec3 {
+        self.rotation.transpose() * v
     }
 
     /// The manifold point of a feature, and its anchors in double precision.

@@ -1,0 +1,307 @@
+//! Bodies that pass each other at a small distance. Nothing touches, so no velocity may change.
+
+use crate::ccd::oracle::{MovingMesh, distance};
+use crate::ccd::shapes::{cuboid, sheet};
+use crate::world::{World, any_turn};
+use bevy_faceoff::geometry::{TriMesh, shapes};
+use bevy_faceoff::state::{Body, BodyParams};
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::material::Friction;
+use glam::{Mat3, Quat, Vec3};
+
+const DT: f32 = 1.0 / 64.0;
+
+/// A prism along z, closed, whose outline in the plane of x and y is given counter-clockwise. It must be convex.
+fn prism(outline: &[[f32; 2]], half: f32) -> TriMesh {
+    let n = outline.len() as u32;
+    let ring = |z: f32| outline.iter().map(move |&[x, y]| Vec3::new(x, y, z));
+    let vertices: Vec<Vec3> = ring(half).chain(ring(-half)).collect();
+    let mut triangles = Vec::new();
+    for i in 1..n - 1 {
+        triangles.push([0, i, i + 1]);
+        triangles.push([n, n + i + 1, n + i]);
+    }
+    for i in 0..n {
+        let j = (i + 1) % n;
+        triangles.push([i, n + i, n + j]);
+        triangles.push([i, n + j, j]);
+    }
+    TriMesh::new(vertices, triangles).unwrap()
+}
+
+/// A ridge along z with slopes of 45 degrees, whose edge is at the origin.
+fn ridge() -> TriMesh {
+    prism(&[[0.0, 0.0], [-2.0, -2.0], [2.0, -2.0]], 2.0)
+}
+
+/// The largest change of velocity of a ball of radius 0.1 that passes the origin along x at a height, among 16 phases.
+fn past(obstacle: &TriMesh, speed: f32, height: f32, gravity: f32, continuous: bool) -> f32 {
+    let mut worst: f32 = 0.0;
+    for phase in 0..16 {
+        let mut world = World::new();
+        world.state.input.config.gravity = Vec3::NEG_Y * gravity;
+        let (ball, obstacle) = (world.mesh(&shapes::ball(0.1, 3)), world.mesh(obstacle));
+        world.add(RigidBody::Static, obstacle, Vec3::ONE, Vec3::ZERO, Quat::IDENTITY);
+        let steps = (1.0 / (speed * DT)).ceil();
+        let velocity = Vec3::new(speed, 0.5 * gravity * 2.0 * steps * DT, 0.0);
+        // At the origin after `steps` and a part of a step.
+        let time = (steps + phase as f32 / 16.0) * DT;
+        let below = velocity.y * time - 0.5 * gravity * time * time;
+        let at = Vec3::new(-speed * time, height - below, 0.0);
+        let body = world.put(&Body {
+            linear_velocity: velocity,
+            params: BodyParams {
+                continuous,
+                ..BodyParams::default()
+            },
+            ..Body::at_rest(ball, at, Quat::IDENTITY, Vec3::ONE)
+        });
+        for step in 1..=2 * steps as u32 {
+            world.step();
+            let expected = velocity - Vec3::Y * gravity * DT * step as f32;
+            worst = worst.max(world.velocity(body).distance(expected));
+        }
+    }
+    worst
+}
+
+#[test]
+fn a_ball_flies_straight_on_over_a_ridge() {
+    for (speed, clearance) in [
+        (10.0, 0.01),
+        (10.0, 0.04),
+        (2.0, 0.003),
+        (30.0, 0.02),
+        (50.0, 0.001),
+        (0.5, 0.001),
+    ] {
+        for continuous in [false, true] {
+            let change = past(&ridge(), speed, 0.1 + clearance, 0.0, continuous);
+            assert!(change < 1.0e-4, "{speed} m/s, {clearance} m above: {change} m/s");
+        }
+    }
+}
+
+#[test]
+fn a_ball_is_thrown_over_a_wall() {
+    let wall = prism(&[[-0.1, 0.0], [-0.1, -1.0], [0.1, -1.0], [0.1, 0.0]], 2.0);
+    for clearance in [0.0146, 0.005] {
+        // It is highest over the wall, whose edges it clears by a little less.
+        let change = past(&wall, 6.0, 0.1 + clearance + 0.002, 9.81, false);
+        assert!(change < 1.0e-3, "{clearance} m above: {change} m/s");
+    }
+}
+
+#[test]
+fn a_box_slides_straight_on_over_a_groove() {
+    // A floor of two blocks whose edges are chamfered, 1.5 inches apart.
+    let [inch, wide] = [0.0254, 1.5 * 0.0254];
+    let right = prism(
+        &[
+            [0.5 * wide, -inch],
+            [0.5 * wide, -2.0],
+            [8.0, -2.0],
+            [8.0, 0.0],
+            [0.5 * wide + inch, 0.0],
+        ],
+        3.0,
+    );
+    let left = prism(
+        &[
+            [-8.0, 0.0],
+            [-8.0, -2.0],
+            [-0.5 * wide, -2.0],
+            [-0.5 * wide, -inch],
+            [-0.5 * wide - inch, 0.0],
+        ],
+        3.0,
+    );
+    for speed in [1.5, 3.0, 8.9] {
+        for phase in 0..4 {
+            let mut world = World::new();
+            let meshes = [&left, &right].map(|mesh| world.mesh(mesh));
+            let params = BodyParams {
+                friction: Friction::new(0.0),
+                ..BodyParams::default()
+            };
+            for mesh in meshes {
+                world.put(&Body {
+                    kind: RigidBody::Static,
+                    params,
+                    ..Body::at_rest(mesh, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)
+                });
+            }
+            let size = Vec3::new(0.81, 1.83, 0.81);
+            let slider = world.mesh(&cuboid(size));
+            let at = Vec3::new(-1.2 - phase as f32 / 4.0 * speed * DT, 0.5 * size.y + 0.001, 0.0);
+            let body = world.put(&Body {
+                linear_velocity: Vec3::X * speed,
+                params,
+                ..Body::at_rest(slider, at, Quat::IDENTITY, Vec3::ONE)
+            });
+            let mut worst: f32 = 0.0;
+            for _ in 0..(2.4 / (speed * DT)) as u32 {
+                world.step();
+                worst = worst.max((world.velocity(body) - Vec3::X * speed).length());
+            }
+            assert!(worst < 0.05, "{speed} m/s, phase {phase}: {worst} m/s");
+        }
+    }
+}
+
+/// What pairs do that pass each other.
+#[derive(Default, Debug)]
+struct Passes {
+    /// Their true gap stays above 0.1 mm, and their velocities change.
+    deflected: usize,
+    free: usize,
+    /// They truly meet, and nothing happens.
+    missed: usize,
+    hits: usize,
+    worst: f32,
+}
+
+/// A pair in one world, far from others.
+struct Flight {
+    bodies: [usize; 2],
+    velocities: [Vec3; 2],
+    paths: [MovingMesh; 2],
+}
+
+/// Bodies of diameter up to 0.2 m, convex, concave, open, thin.
+fn small_shapes() -> Vec<TriMesh> {
+    let part = |mesh: TriMesh, count: usize| {
+        TriMesh::new(mesh.vertices().to_vec(), mesh.triangles()[..count].to_vec()).unwrap()
+    };
+    vec![
+        cuboid(Vec3::splat(0.1)),
+        cuboid(Vec3::new(0.15, 0.08, 0.03)),
+        shapes::ball(0.08, 1),
+        shapes::torus(8, 6, 0.07, 0.025),
+        prism(&[[0.07, 0.0], [-0.05, 0.05], [-0.05, -0.05]], 0.05),
+        sheet(0.13, 2),
+        part(shapes::torus(8, 6, 0.07, 0.025), 48),
+    ]
+}
+
+/// Throws `count` pairs past each other, at one speed for each world of 64 pairs.
+fn throw(seed: u64, count: usize, spins: bool) -> Passes {
+    let shapes = small_shapes();
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut passes = Passes::default();
+    for _ in 0..count.div_ceil(64) {
+        let mut world = World::weightless();
+        let meshes: Vec<u32> = shapes.iter().map(|shape| world.mesh(shape)).collect();
+        let speed = 0.5 * 100f32.powf(random.f32());
+        let mut flights = Vec::new();
+        // From well before they meet to well after, beginning anywhere within a step.
+        let time = (0.3 / speed).max(2.0 * DT) + random.f32() * DT;
+        let steps = (2.0 * time / DT).ceil() as u32;
+        for i in 0..64 {
+            let home = Vec3::new((i % 8) as f32, (i / 8) as f32, 0.0) * 16.0 - 56.0;
+            let way = any_turn(&mut random) * Vec3::X;
+            let aside = (any_turn(&mut random) * Vec3::X).cross(way).normalize() * (0.2 * random.f32());
+            let common = (any_turn(&mut random) * Vec3::X) * random.f32() * 2.0;
+            let ends = [home, home + aside - way * speed * time];
+            let velocities = [common, common + way * speed];
+            let bodies = [0, 1].map(|k| {
+                let spin = if spins {
+                    any_turn(&mut random) * Vec3::X * (8.0 * random.f32())
+                } else {
+                    Vec3::ZERO
+                };
+                world.put(&Body {
+                    linear_velocity: velocities[k],
+                    angular_velocity: spin,
+                    mass: Some(1.0),
+                    // They turn about any axis without wobble.
+                    inertia: Some(Mat3::from_diagonal(Vec3::splat(2.0e-3))),
+                    ..Body::at_rest(
+                        meshes[random.usize(..meshes.len())],
+                        ends[k] - common * time,
+                        any_turn(&mut random),
+                        Vec3::ONE,
+                    )
+                })
+            });
+            let paths = bodies.map(|body| path(&world, body, steps as f32 * DT));
+            flights.push(Flight {
+                bodies,
+                velocities,
+                paths,
+            });
+        }
+        let mut changes = vec![0f32; flights.len()];
+        for _ in 0..steps {
+            world.step();
+            for (flight, change) in flights.iter().zip(&mut changes) {
+                for (&body, velocity) in flight.bodies.iter().zip(flight.velocities) {
+                    *change = change.max(world.velocity(body).distance(velocity));
+                }
+            }
+        }
+        for (flight, change) in flights.iter().zip(changes) {
+            let Some(depth) = met(&flight.paths) else { continue };
+            if depth == 0.0 {
+                passes.free += 1;
+                passes.deflected += usize::from(change > 1.0e-4);
+                passes.worst = passes.worst.max(change);
+            } else {
+                passes.hits += 1;
+                passes.missed += usize::from(change < 1.0e-3 * speed);
+            }
+        }
+    }
+    passes
+}
+
+/// The free path of a body in so many seconds.
+fn path(world: &World, body: usize, time: f32) -> MovingMesh {
+    let bodies = &world.state.input.bodies;
+    let slot = &world.state.input.meshes[bodies.mesh[body]].mesh;
+    let (frame, center) = (&bodies.frame[body], slot.mass.center.as_dvec3());
+    let place = |p: Vec3| frame.rotation * (p.as_dvec3() - center);
+    MovingMesh {
+        triangles: (0..slot.mesh.triangles().len())
+            .map(|t| slot.mesh.corners(t).map(place))
+            .collect(),
+        center: frame.center,
+        travel: bodies.linear_velocity[body].as_dvec3() * f64::from(time),
+        turn: bodies.angular_velocity[body].as_dvec3() * f64::from(time),
+    }
+}
+
+/// Whether two paths meet, by brute force: 0 if their gap stays above 0.1 mm, the way on which they intersect if that is
+/// longer than 5 mm, and `None` for what lies between.
+fn met(paths: &[MovingMesh; 2]) -> Option<f64> {
+    let radius = |path: &MovingMesh| path.triangles.iter().flatten().map(|p| p.length()).fold(0.0, f64::max);
+    let [a, b] = paths;
+    let speed = (a.travel - b.travel).length() + a.turn.length() * radius(a) + b.turn.length() * radius(b);
+    let apart = |t: f64| (a.center + a.travel * t).distance(b.center + b.travel * t) - radius(a) - radius(b);
+    let (mut t, mut way) = (0.0, 0.0);
+    let mut is_near = false;
+    while t < 1.0 {
+        let far = apart(t);
+        let gap = if far > 0.01 { far } else { distance(paths, t, 0.5) };
+        is_near |= gap <= 1.0e-4;
+        let step = (gap / speed).max(1.0e-3 / speed);
+        if gap == 0.0 {
+            way += step * speed;
+        }
+        if way > 5.0e-3 {
+            return Some(way);
+        }
+        t += step;
+    }
+    (!is_near).then_some(0.0)
+}
+
+#[test]
+fn random_pairs_that_pass_are_not_deflected_and_those_that_hit_are_not_missed() {
+    for (seed, spins) in [(1, false), (2, true)] {
+        let passes = throw(seed, 1024, spins);
+        println!("{passes:?}");
+        assert!(passes.free > 200 && passes.hits > 200, "{passes:?}");
+        assert_eq!((passes.deflected, passes.missed), (0, 0), "{passes:?}");
+    }
+}
