@@ -3,6 +3,7 @@
 mod casts;
 mod contacts;
 mod features;
+mod nearest;
 mod overlaps;
 mod placed;
 mod points;

@@ -105,7 +105,7 @@ impl Worker {
             }
             return;
         }
-        contours.join(margin, *size);
+        contours.join(sides, margin, *size);
         features.retain(|feature| contours.admits(feature, false));
         if !contours.patches.is_empty() {
             self.find_overlaps(pair, kept, threads);
@@ -126,7 +126,10 @@ impl Worker {
         let most = MAX_DEPTH * size;
         middles.clear();
         for patch in &mut contours.patches {
-            let [middle] = probes(sides, patch, [patch.center], *size);
+            let [middle] = match patch.rim {
+                None => probes(sides, patch, [patch.center], *size),
+                Some(_) => [None],
+            };
             patch.too_deep = middle.as_ref().is_some_and(|probe| -probe.separation > most);
             middles.push(middle);
         }
@@ -150,6 +153,11 @@ impl Worker {
         }
         for (number, (patch, middle)) in (0..).zip(contours.patches.iter().zip(middles)) {
             if patch.kept {
+                continue;
+            }
+            if let Some(rim) = patch.rim {
+                let triangles = contours.segments[patch.first].triangles;
+                rim.points(patch.normal, triangles, number, features);
                 continue;
             }
             let before = features.len();
