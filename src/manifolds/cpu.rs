@@ -4,6 +4,7 @@ mod boxed;
 mod candidates;
 pub(super) mod contour;
 mod crossing;
+mod deepest;
 mod eight;
 pub(super) mod feature;
 mod feature_ids;

@@ -2,6 +2,7 @@
 
 mod casts;
 mod contacts;
+mod coplanar;
 mod features;
 mod nearest;
 mod overlaps;

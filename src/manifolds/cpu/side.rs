@@ -128,6 +128,11 @@ impl Side<'_> {
         self.inverse * (p - self.origin)
     }
 
+    /// The direction in which heights of the mesh's points are heights of placed points along `d`.
+    pub fn direction_from(&self, d: DVec3) -> DVec3 {
+        self.matrix.transpose() * d
+    }
+
     /// Transforms a direction back to the mesh, with its length.
     pub fn direction_to_mesh(&self, d: DVec3) -> DVec3 {
         self.inverse * d
