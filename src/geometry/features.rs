@@ -27,6 +27,9 @@ const FACET: f64 = 0.2;
 /// apart.
 pub const ANY_NORMAL: f32 = 2.0;
 
+/// Angles below this are below a right angle, radians.
+const NARROW: f64 = 1.5;
+
 /// The unique vertices and edges of a mesh, in flat arrays.
 ///
 /// Connectivity is that of [`TriMesh`], on welded vertices. Each vertex and each edge is owned by the first triangle
@@ -53,6 +56,9 @@ pub struct MeshFeatures {
     /// For each triangle, the largest rotation of a contact normal away from the triangle's own at an edge that it
     /// owns, radians. It is 0 if the triangle owns no edge, and at most [`ANY_NORMAL`], which allows any normal.
     pub edge_normal_rotations: Vec<f32>,
+    /// For each triangle, the largest angle between its normal and the way to a point of another mesh to which it is nearest
+    /// at a vertex or edge that it owns, radians; at most [`ANY_NORMAL`], which allows any. Two-sided triangles have that.
+    pub nearest_rotations: Vec<f32>,
     /// For each triangle, the smallest radius of curvature of the surface at its edges, mesh units. It is 0 beside a
     /// crease or a boundary edge, and infinite if all edges are flat or concave.
     pub curvature_radii: Vec<f32>,
@@ -101,6 +107,7 @@ impl MeshFeatures {
         let ends = features.add_edges(mesh, &numbers);
         features.add_edge_normal_rotations();
         features.add_neighbors(&ends);
+        features.add_nearest_rotations();
         features.add_components(mesh, &numbers);
         features.add_vertex_curvature();
         features
@@ -248,6 +255,43 @@ impl MeshFeatures {
             })
         };
         self.edge_normal_rotations = (0..self.triangles.len()).map(turn).collect();
+    }
+
+    /// A point whose nearest point of a solid is a vertex lies in a direction between the normals of the vertex's faces.
+    fn add_nearest_rotations(&mut self) {
+        let mut owner_of = vec![NONE; self.vertices.len()];
+        let mut is_round = vec![true; self.vertices.len()];
+        for (t, corners) in (0..).zip(&self.triangles) {
+            for (k, &vertex) in corners.iter().enumerate() {
+                if self.owned[t as usize] >> k & 1 == 1 {
+                    owner_of[vertex as usize] = t;
+                }
+                // At boundary edges, and beside slivers, the faces at the vertex do not bound the directions.
+                let boundary = self.triangle_edges[t as usize]
+                    .iter()
+                    .any(|&edge| edge == NONE || self.across[edge as usize] == NONE);
+                is_round[vertex as usize] &= !boundary && self.one_sided.is(t as usize);
+            }
+        }
+        let mut most = self.edge_normal_rotations.clone();
+        for (t, corners) in self.triangles.iter().enumerate() {
+            if !self.one_sided.is(t) {
+                most[t] = ANY_NORMAL;
+            }
+            for &vertex in corners {
+                let owner = owner_of[vertex as usize];
+                if owner == NONE {
+                    continue;
+                }
+                let angle = self.angle_between([owner as usize, t]);
+                // Directions between normals more than a right angle apart may be farther than any of them.
+                let is_narrow = is_round[vertex as usize] && angle < NARROW;
+                let angle = if is_narrow { angle as f32 } else { ANY_NORMAL };
+                let most = &mut most[owner as usize];
+                *most = most.max(angle);
+            }
+        }
+        self.nearest_rotations = most;
     }
 
     /// The angle between the normals of two triangles, radians.

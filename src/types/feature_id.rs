@@ -30,7 +30,8 @@ pub enum FeatureKind {
     /// Several regions may exchange their numbers as bodies move, above all when one appears or vanishes. Places may
     /// exchange theirs when the region changes its shape. Match these points by their positions too.
     Overlap {
-        /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves.
+        /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves, 6
+        /// and 7 for where the first and the second body reach deepest.
         place: u8,
     },
     /// One body is wholly inside the other. The index is 0, because a pair has one such point.
@@ -95,7 +96,7 @@ mod tests {
 
     #[test]
     fn kind_and_index_come_back() {
-        let overlaps = (0..6).map(|place| FeatureKind::Overlap { place });
+        let overlaps = (0..8).map(|place| FeatureKind::Overlap { place });
         let kinds = [
             FeatureKind::Vertex,
             FeatureKind::Edge,

@@ -2,7 +2,9 @@
 
 mod casts;
 mod contacts;
+mod coplanar;
 mod features;
+mod nearest;
 mod overlaps;
 mod placed;
 mod points;

@@ -16,6 +16,7 @@ mod motion;
 mod planes;
 mod pour;
 mod rest;
+mod rims;
 mod same_bits;
 mod small_games;
 mod spin;

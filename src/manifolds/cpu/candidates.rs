@@ -27,6 +27,8 @@ pub struct Candidates {
     /// Triangles of the first and of the second body.
     triangles: [Vec<Listed>; 2],
     pairs: Vec<Candidate>,
+    /// Triangles that may have features between nearest points, by their numbers.
+    pub nearest: Vec<[u32; 2]>,
     /// Whether any pair may cross after a motion within each of [`FRACTIONS`] of the slack.
     pub may_cross: [bool; FRACTIONS.len()],
 }
@@ -61,7 +63,7 @@ struct Candidate {
 impl Candidates {
     /// Number of candidates.
     pub fn len(&self) -> usize {
-        self.pairs.len()
+        self.pairs.len() + self.nearest.len()
     }
 
     /// Selects candidates among pairs of triangles found with the same slack. Without slack it selects none. Calls
@@ -81,6 +83,7 @@ impl Candidates {
             triangles: [firsts, seconds],
             pairs,
             may_cross,
+            ..
         } = self;
         let slack = search.slack;
         near.for_each_pair(
@@ -155,6 +158,7 @@ impl Candidates {
     pub fn clear(&mut self) {
         self.triangles.iter_mut().for_each(Vec::clear);
         self.pairs.clear();
+        self.nearest.clear();
         self.may_cross = Default::default();
     }
 
@@ -162,6 +166,7 @@ impl Candidates {
     pub fn shrink(&mut self, used: usize) {
         self.triangles.iter_mut().for_each(|list| shrink(list, used));
         shrink(&mut self.pairs, used);
+        shrink(&mut self.nearest, used);
     }
 
     /// Calls `found` for each candidate within `reach` that may have features after a motion within this one of
@@ -298,7 +303,7 @@ impl TrianglePair<'_> {
 }
 
 /// The squared distance of two segments, each a point and a vector (Ericson 2005, Real-Time Collision Detection, 5.1.9).
-fn squared_distance([p, u]: [DVec3; 2], [q, v]: [DVec3; 2]) -> f64 {
+pub fn squared_distance([p, u]: [DVec3; 2], [q, v]: [DVec3; 2]) -> f64 {
     let way = p - q;
     let (a, e, b) = (u.length_squared(), v.length_squared(), u.dot(v));
     let (c, f) = (u.dot(way), v.dot(way));

@@ -2,7 +2,9 @@
 
 use super::crossing::{Key, Segment};
 use super::feature::Feature;
+use super::rim::{Rim, RimEnd};
 use super::search::{Place, Window};
+use super::side::Side;
 use crate::geometry::union_find::UnionFind;
 use glam::DVec3;
 
@@ -36,6 +38,8 @@ pub struct Patch {
     pub kept: bool,
     /// The bodies overlap at its centre by more than features may. It has no overlapping features.
     pub too_deep: bool,
+    /// The rim of an open mesh at which the contour ends.
+    pub rim: Option<Rim>,
 }
 
 /// The result, and memory kept between pairs.
@@ -49,6 +53,9 @@ pub struct Contours {
     has_partner: Vec<bool>,
     /// Ends without a partner, with their segments.
     loose: Vec<(DVec3, u32)>,
+    /// Those at rims of open meshes, and those of one contour.
+    rims: Vec<RimEnd>,
+    own_rims: Vec<RimEnd>,
     joined: UnionFind,
     /// The root of each segment's contour in the upper half, and the segment's number.
     order: Vec<u64>,
@@ -100,8 +107,8 @@ impl Contours {
         self.patches.clear();
     }
 
-    /// Joins the segments into contours and patches. `size` is that of the bodies.
-    pub fn join(&mut self, margin: f64, size: f64) {
+    /// Joins the segments of two bodies into contours and patches. `size` is that of the bodies.
+    pub fn join(&mut self, sides: &[Side; 2], margin: f64, size: f64) {
         self.joined.reset(self.segments.len());
         let ends = 2 * self.segments.len() as u32;
         self.ends.reset(ends as usize);
@@ -116,8 +123,10 @@ impl Contours {
             }
         }
         self.loose.clear();
+        self.rims.clear();
         for end in (0..ends as usize).filter(|&end| !self.has_partner[end]) {
             self.loose.push((segments[end / 2].ends[end % 2], end as u32 / 2));
+            self.rims.extend(RimEnd::of(sides, segments, end));
         }
         self.tie_loose_ends(TIE * size);
         self.order.clear();
@@ -133,7 +142,14 @@ impl Contours {
         let mut first = 0;
         for run in self.order.chunk_by(|x, y| x >> 32 == y >> 32) {
             let end = first + run.len();
-            if let Some(patch) = Patch::new(&self.segments, first, end, margin, size) {
+            self.own_rims.clear();
+            for rim in &self.rims {
+                if self.joined.root(rim.segment) == (run[0] >> 32) as u32 {
+                    self.own_rims.push(*rim);
+                }
+            }
+            let rim = Rim::new(sides, &self.segments[first..end], &self.own_rims, size);
+            if let Some(patch) = Patch::new(&self.segments, first, end, margin, size, rim) {
                 self.patches.push(patch);
             }
             first = end;
@@ -187,8 +203,15 @@ impl Contours {
 }
 
 impl Patch {
-    /// `None` if the contour encloses no area.
-    fn new(segments: &[Segment], first: usize, end: usize, margin: f64, size: f64) -> Option<Self> {
+    /// `None` if the contour encloses no area and has no `rim`.
+    fn new(
+        segments: &[Segment],
+        first: usize,
+        end: usize,
+        margin: f64,
+        size: f64,
+        rim: Option<(Rim, DVec3)>,
+    ) -> Option<Self> {
         let own = &segments[first..end];
         // Sums are relative to the first point, for precision.
         let origin = own[0].ends[0];
@@ -205,9 +228,10 @@ impl Patch {
             radius = radius.max(p.distance_squared(center)).max(q.distance_squared(center));
         }
         let size = area.length() / (size * size);
-        (size > MIN_ENCLOSED_AREA).then(|| Self {
+        let (rim, of_rim) = rim.unzip();
+        (rim.is_some() || size > MIN_ENCLOSED_AREA).then(|| Self {
             center,
-            normal: area.normalize(),
+            normal: of_rim.unwrap_or_else(|| area.normalize()),
             area: area.length(),
             length,
             reach: REACH_FACTOR * radius.sqrt() + margin,
@@ -215,6 +239,7 @@ impl Patch {
             end,
             kept: false,
             too_deep: false,
+            rim,
         })
     }
 

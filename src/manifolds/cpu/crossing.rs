@@ -36,6 +36,11 @@ impl Key {
         Self(u64::from(edge) << 32 | u64::from(triangle) << 1 | side as u64)
     }
 
+    /// The side whose edge pierces a triangle of the other, and the edge.
+    pub fn edge(self) -> (usize, u32) {
+        ((self.0 & 1) as usize, (self.0 >> 32) as u32)
+    }
+
     /// A number that no other crossing has.
     #[inline(always)]
     pub fn number(self) -> u64 {

@@ -16,6 +16,31 @@ const ERROR: f32 = 1.0e-5;
 /// The squared sine of the angle between two edges below which their nearest points are uncertain.
 const PARALLEL: f32 = 1.0e-3;
 
+/// Sets lower bounds of the distances of pairs, eight at a time.
+#[inline(always)]
+pub fn set_gaps<S: Simd>(simd: S, triangles: [&[SmallTriangle]; 2], pairs: &mut [GapPair], pad: f32) {
+    for some in pairs.chunks_mut(8) {
+        let eight = eight_of(some).map(|pair| pair.triangles);
+        let both = each_lane(|lane| {
+            [
+                &triangles[0][eight[lane][0] as usize],
+                &triangles[1][eight[lane][1] as usize],
+            ]
+        });
+        for (pair, gap) in some.iter_mut().zip(TwoTriangles::new(simd, &both).gaps(pad)) {
+            // Coordinates beyond single precision may give NaN.
+            pair.gap = if gap.is_nan() { 0.0 } else { gap };
+        }
+    }
+}
+
+/// Two triangles, as indices into the triangles of the first and of the second body, and a lower bound of their distance.
+#[derive(Clone, Copy)]
+pub struct GapPair {
+    pub triangles: [u32; 2],
+    pub gap: f32,
+}
+
 /// Removes what pairs of triangles cannot have. Its memory is kept between calls.
 #[derive(Default)]
 pub struct Narrowing {
@@ -201,7 +226,7 @@ fn vertices_over<S: Simd>(simd: S, corners: &[Corner; 8], limits: &Limits) -> u3
     let before = gather(simd, corners, |c| c.own.corner((c.k + 2) % 3));
     let face = EightTriangles::gather(simd, each_lane(|lane| corners[lane].over));
     let (over, normal) = (face.corners, face.direction());
-    let inward = scale(normal, face.winding);
+    let inward = scale(normal, face.winding());
     let tilt = face.has_direction().select(face.tilt, splat(simd, ANY_TILT));
     let pad = splat(simd, limits.pad);
     let ways = [sub(p, over[0]), sub(p, over[1]), sub(p, over[2])];

@@ -44,6 +44,11 @@ pub enum Origin {
     Vertex { side: u8, vertex: u32 },
     /// Two edges, by their positions in the triangles that own them.
     Edges([u8; 2]),
+    /// A vertex of this side near the other side's edge, by its position in the triangle that owns it. The triangle of its
+    /// own side owns the vertex.
+    VertexEdge { side: u8, edge: u8, vertex: u32 },
+    /// Two vertices, by their positions in the triangles that own them.
+    Vertices([u8; 2]),
     /// A point of the patch of this number.
     Patch { place: u8, number: u32 },
     /// Containment of one body in the other.

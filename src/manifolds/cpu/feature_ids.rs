@@ -12,6 +12,12 @@ pub fn feature_ids(sides: &[Side; 2], feature: &Feature) -> [FeatureId; 2] {
             Origin::Vertex { side, vertex } if usize::from(side) == i => vertex_id(own, triangle, vertex),
             Origin::Vertex { .. } => FeatureId::new(FeatureKind::Face, own.face(triangle)),
             Origin::Edges(places) => edge_id(own, triangle, places[i]),
+            Origin::VertexEdge { side, vertex, .. } if usize::from(side) == i => vertex_id(own, triangle, vertex),
+            Origin::VertexEdge { edge, .. } => edge_id(own, triangle, edge),
+            Origin::Vertices(corners) => {
+                let corners_of = own.features.triangles[triangle as usize];
+                vertex_id(own, triangle, corners_of[usize::from(corners[i])])
+            }
             Origin::Patch { place, number } => FeatureId::new(FeatureKind::Overlap { place }, number),
             Origin::Inside => FeatureId::new(FeatureKind::Containment, 0),
         }

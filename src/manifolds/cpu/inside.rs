@@ -24,6 +24,11 @@ pub fn contact(sides: &[Side; 2]) -> Option<Feature> {
     })
 }
 
+/// Distance from the surface below which rounding decides whether a point is inside, in units of the bodies' size.
+const ON_SURFACE: f64 = 1.0e-6;
+/// Most vertices of a component that are tried until one lies off the surface.
+const MAX_TRIED: usize = 64;
+
 /// A point of `inner` inside `outer`: its centre of mass if that is inside, else a vertex.
 fn component_inside(outer: &Side, inner: &Side) -> Option<DVec3> {
     if !outer.mesh.mesh.is_solid() {
@@ -31,9 +36,24 @@ fn component_inside(outer: &Side, inner: &Side) -> Option<DVec3> {
     }
     let vertices = inner.mesh.mesh.vertices();
     let mut points = inner.mesh.lanes().components.iter().map(|&v| vertices[v as usize]);
+    let on_surface = ON_SURFACE * outer.diameter().min(inner.diameter());
+    let is_off = |p: DVec3| nearest(outer, p).0.distance(p) > on_surface;
     let vertex = points.find_map(|p| {
-        let p = inner.place(p);
-        is_inside(outer, p).then_some(p)
+        let placed = inner.place(p);
+        if !is_inside(outer, placed) {
+            return None;
+        }
+        if is_off(placed) {
+            return Some(placed);
+        }
+        // It touches the surface. Another vertex of its component tells.
+        let features = inner.features;
+        let first = features.vertices.iter().position(|vertex| *vertex == p)?;
+        let same = |v: &u32| features.components[*v as usize] == features.components[first];
+        let own: Vec<u32> = (0..features.vertices.len() as u32).filter(same).collect();
+        let tried = own.iter().step_by(own.len().div_ceil(MAX_TRIED).max(1));
+        let off = tried.map(|&v| inner.vertex(v)).find(|&p| is_off(p))?;
+        is_inside(outer, off).then_some(off)
     })?;
     let center = inner.center;
     Some(if is_inside(outer, center) { center } else { vertex })

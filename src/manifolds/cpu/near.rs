@@ -1,10 +1,10 @@
 //! Pairs of triangles that are near each other, of pairs of clusters that are.
 
 use super::boxed::BoxedPairs;
-use super::eight::{Narrowing, SmallPair, eight_of};
+use super::eight::{GapPair, Narrowing, SmallPair, eight_of, set_gaps};
 use super::near_clusters::NearClusters;
 use super::near_lanes::NearLanes;
-use super::parts::owned_features;
+use super::parts::{CORNER_BITS, EDGE_BITS, owned_features};
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
 use super::search::{Limits, Search};
 use super::side::{Side, Triangle};
@@ -12,6 +12,7 @@ use super::small_triangle::{EightTriangles, SmallTriangle};
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{Simd, bits, each_lane, push_some, set_lanes};
 use crate::simd::level::with_simd;
+use crate::simd::rounding::PAD;
 use std::ops::Range;
 
 /// Pairs of triangles that are near each other, and memory kept between pairs of bodies.
@@ -24,6 +25,8 @@ pub struct NearTriangles {
     rows: Vec<u32>,
     boxed: BoxedPairs,
     pairs: Vec<SmallPair>,
+    /// Triangles that may have features between nearest points.
+    nearest: Vec<GapPair>,
     narrowing: Narrowing,
     /// Indices in other lists, or [`NOT_LISTED`].
     listed: [Vec<u32>; 2],
@@ -59,6 +62,7 @@ impl NearTriangles {
             rows,
             boxed,
             pairs,
+            nearest,
             narrowing,
             listed,
             numbers,
@@ -67,6 +71,7 @@ impl NearTriangles {
         firsts.clear();
         boxed.clear();
         pairs.clear();
+        nearest.clear();
         let mut limits = Limits::new(search, size);
         // The normals of two-sided triangles may turn round.
         let one_sided = sides.iter().all(|side| side.features.one_sided.all());
@@ -97,12 +102,12 @@ impl NearTriangles {
                 boxed.add(first + i as u32, (CLUSTER * other) as u32, near);
                 boxed.take_if_full(
                     #[inline(always)]
-                    |full| add_near(simd, [firsts, triangles_b], full, search, &limits, pairs),
+                    |full| add_near(simd, [firsts, triangles_b], full, search, &limits, pairs, nearest),
                 );
             }
         }
         let triangles = [&firsts[..], triangles_b];
-        add_near(simd, triangles, boxed.all(), search, &limits, pairs);
+        add_near(simd, triangles, boxed.all(), search, &limits, pairs, nearest);
         let triangles = triangles.map(<[_]>::as_flattened);
         narrowing.run(simd, triangles, pairs, one_sided, &limits);
         // The pairs get the indices of their triangles in the lists of those that are left.
@@ -151,6 +156,23 @@ impl NearTriangles {
         }
     }
 
+    /// Calls `found` for each pair of triangles no farther apart than `most` that may have features between nearest points, by
+    /// their numbers. `clusters` and `size` are those of [`NearTriangles::run`].
+    pub fn for_each_nearest(&mut self, size: f32, clusters: &NearClusters, most: f64, mut found: impl FnMut([u32; 2])) {
+        let Self { firsts, nearest, .. } = self;
+        let triangles = [&firsts[..], clusters.triangles()].map(<[_]>::as_flattened);
+        let (most, pad) = (most as f32 * (1.0 + f32::EPSILON), PAD * size);
+        let owns = |pair: &GapPair| {
+            (0..2).any(|i| triangles[i][pair.triangles[i] as usize].owned & (CORNER_BITS | EDGE_BITS) != 0)
+        };
+        nearest.retain(|pair| pair.gap - pad <= most && owns(pair));
+        with_simd!(simd => set_gaps(simd, triangles, nearest, pad));
+        for pair in nearest.iter().filter(|pair| pair.gap <= most) {
+            let [i, j] = pair.triangles.map(|i| i as usize);
+            found([triangles[0][i].number, triangles[1][j].number]);
+        }
+    }
+
     /// The triangles of both bodies in double precision, by their indices in pairs, once
     /// [`NearTriangles::for_each_pair`] has placed them.
     pub fn placed(&self) -> [&[Triangle]; 2] {
@@ -167,6 +189,7 @@ fn add_near<S: Simd>(
     search: &Search,
     limits: &Limits,
     pairs: &mut Vec<SmallPair>,
+    nearest: &mut Vec<GapPair>,
 ) {
     let [firsts, seconds] = triangles.map(<[_]>::as_flattened);
     let (groups, rest) = boxed.as_chunks();
@@ -177,6 +200,15 @@ fn add_near<S: Simd>(
         let near = NearLanes::of([&a, &b], search.crossings, limits);
         let count = CLUSTER.min(boxed.len() - CLUSTER * number);
         let used = (1u32 << count) - 1;
+        let (nearest_lanes, nearest_set) = (set_lanes(near.nearest & used), near.nearest & used);
+        let pair = each_lane(|k| {
+            let lane = usize::from(nearest_lanes[k]);
+            GapPair {
+                triangles: eight[lane],
+                gap: near.gaps[lane],
+            }
+        });
+        push_some(nearest, pair, nearest_set);
         let features = near.features();
         let found = (near.crossing | features) & used;
         // Written without branches, which processors would mispredict. What has no part is dropped later.

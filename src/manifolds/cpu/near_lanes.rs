@@ -27,6 +27,10 @@ pub struct NearLanes {
     /// For each edge of the first triangle, lanes in which it may have a feature with an edge of the second; and the other
     /// way round.
     edges: [[u32; 3]; 2],
+    /// Lanes in which a vertex or an edge of one may be nearest to one of the other.
+    pub nearest: u32,
+    /// Lower bounds of the distances in those lanes.
+    pub gaps: [f32; 8],
 }
 
 impl NearLanes {
@@ -54,10 +58,19 @@ impl NearLanes {
         }
         let corners = [over_b.corners(limits, near), over_a.corners(limits, near)];
         let directions = [a.direction(), b.direction()];
-        let rotation = a.edge_rotation + b.edge_rotation + splat(simd, limits.rotation);
+        let turn = splat(simd, limits.rotation);
+        let rotation = a.edge_rotation + b.edge_rotation + turn;
         let sum = add(directions[0], directions[1]);
+        let apart = dot(sum, sum);
         // Edges have a feature only if their triangles face each other.
-        let edges = near & bitmask(dot(sum, sum).simd_le(rotation * rotation));
+        let edges = near & bitmask(apart.simd_le(rotation * rotation));
+        if crossings {
+            let rotation = a.nearest_rotation.abs() + b.nearest_rotation.abs() + turn;
+            // Triangles whose normals are not known may face anywhere.
+            let known = a.has_direction() & b.has_direction();
+            found.nearest = near & bitmask(!known | apart.simd_le(rotation * rotation));
+            found.gaps = over_a.gap().max(over_b.gap()).into();
+        }
         let [[p, q, r], [s, t, u]] = corners;
         if p | q | r | s | t | u | edges == 0 {
             // Most triangles that cross have no feature.
@@ -182,6 +195,12 @@ impl<S: Simd> Heights<S> {
             heights: heights(&other.corners, face.corners[0], face.normal),
             error: spread * face.tilt,
         }
+    }
+
+    /// Lower bounds of the corners' distances from the plane, on one side.
+    #[inline(always)]
+    fn gap(&self) -> f32x8<S> {
+        least(self.heights).max(-largest(self.heights)) - self.error
     }
 
     /// Lanes whose corners are all farther from the plane than `most`, on one side.

@@ -3,6 +3,7 @@
 use super::arrival::{Arrival, Motion};
 use super::contour::{Contours, Patch};
 use super::crossing::Segment;
+use super::deepest::farthest;
 use super::feature::{Feature, Origin};
 use super::inside;
 use super::kept::{Kept, Source};
@@ -32,8 +33,12 @@ pub(crate) const MIN_PROBED_AREA: f64 = 1.0e-6;
 /// Upper bound of the depth of such a patch, in units of the size.
 pub(crate) const SHALLOW: f64 = 0.002;
 
-/// The `place` of a point that stands for a patch without ray hits; those of rays are smaller.
+/// The `place` of a point that stands for a patch without ray hits; those of rays in the patch are smaller.
 const MIDDLE: u8 = 5;
+/// The `place` of the point where the first body reaches deepest; the next is that of the second.
+const DEEPEST: u8 = 6;
+/// How far to the side of a patch, in units of its depth there, a vertex may lie that belongs to it.
+const ASIDE: f64 = 2.0;
 
 /// Memory kept between pairs.
 #[derive(Default)]
@@ -44,6 +49,8 @@ pub struct Worker {
     deep: Vec<Feature>,
     /// Of each patch, the rays through its centre.
     middles: Vec<Option<Probe>>,
+    /// Of each patch, the rays through the deepest vertices, and where they start.
+    deepest: Vec<[Option<(DVec3, Probe)>; 2]>,
     reduction: Reduction,
 }
 
@@ -123,7 +130,7 @@ impl Worker {
             }
             return;
         }
-        contours.join(margin, *size);
+        contours.join(sides, margin, *size);
         features.retain(|feature| contours.admits(feature, false));
         if !contours.patches.is_empty() {
             self.find_overlaps(pair, kept, threads);
@@ -138,15 +145,23 @@ impl Worker {
             features,
             deep,
             middles,
+            deepest,
             ..
         } = self;
         let Pair { sides, size, .. } = pair;
         let most = MAX_DEPTH * size;
         middles.clear();
+        deepest.clear();
         for patch in &mut contours.patches {
-            let [middle] = probes(sides, patch, [patch.center], *size);
-            patch.too_deep = middle.as_ref().is_some_and(|probe| -probe.separation > most);
+            let [middle] = match patch.rim {
+                None => probes(sides, patch, [patch.center], *size),
+                Some(_) => [None],
+            };
+            let vertices = deepest_probes(sides, patch, middle.as_ref(), most, *size);
+            let probes = middle.iter().chain(vertices.iter().flatten().map(|(_, probe)| probe));
+            patch.too_deep = probes.into_iter().any(|probe| -probe.separation > most);
             middles.push(middle);
+            deepest.push(vertices);
         }
         if contours.patches.iter().any(|patch| !patch.too_deep) {
             let window = contours.window(0.5 * most);
@@ -166,8 +181,14 @@ impl Worker {
             deep.iter().for_each(|feature| contours.keep(feature));
             features.append(deep);
         }
-        for (number, (patch, middle)) in (0..).zip(contours.patches.iter().zip(middles)) {
+        let rays = middles.iter().zip(deepest);
+        for (number, (patch, (middle, vertices))) in (0..).zip(contours.patches.iter().zip(rays)) {
             if patch.kept {
+                continue;
+            }
+            if let Some(rim) = patch.rim {
+                let triangles = contours.segments[patch.first].triangles;
+                rim.points(patch.normal, triangles, number, features);
                 continue;
             }
             let before = features.len();
@@ -179,6 +200,11 @@ impl Worker {
             let outer = probes(sides, patch, places, *size);
             for (place, (p, probe)) in (1..).zip(places.into_iter().zip(&outer)) {
                 add(place, p, probe.as_ref());
+            }
+            for (place, vertex) in (DEEPEST..).zip(vertices) {
+                if let Some((p, probe)) = vertex {
+                    add(place, *p, Some(probe));
+                }
             }
             if features.len() == before {
                 features.extend(shallow(&contours.segments, patch, *size, number));
@@ -224,8 +250,52 @@ fn probes<const N: usize>(sides: &[Side; 2], patch: &Patch, places: [DVec3; N], 
     })
 }
 
+/// Casts rays along a patch's normal from the vertices of both bodies that reach deepest, if they reach deeper than features and
+/// than the ray through its middle: the end of a slender body lies far from there.
+fn deepest_probes(
+    sides: &[Side; 2],
+    patch: &Patch,
+    middle: Option<&Probe>,
+    most: f64,
+    size: f64,
+) -> [Option<(DVec3, Probe)>; 2] {
+    array::from_fn(|i| {
+        if patch.rim.is_some() {
+            return None;
+        }
+        let way = [patch.normal, -patch.normal][i];
+        let known = middle.map_or(0.0, |probe| probe.ways[i]);
+        let number = farthest(&sides[i], way)?;
+        let vertex = sides[i].vertex(number) - patch.center;
+        let depth = vertex.dot(way);
+        let aside = vertex - way * depth;
+        let (known, most_aside) = (known * (1.0 + TOUCH), patch.reach + ASIDE * depth);
+        if depth <= most.max(known) || depth > RAY_LENGTH * size || aside.length() > most_aside {
+            return None;
+        }
+        // Nothing of its own body lies beyond the vertex.
+        let [hit] = exits(&sides[1 - i], [Some(patch.center + vertex)], -way, RAY_LENGTH * size);
+        let (back, other) = hit?;
+        // Another part of the other body is another patch.
+        let beyond = back - depth;
+        if beyond.abs() > 0.5 * depth {
+            return None;
+        }
+        let mut own = sides[i].features.triangles.iter();
+        let own = own.position(|triangle| triangle.contains(&number)).unwrap_or(0) as u32;
+        let swap = |pair: [f64; 2]| if i == 1 { [pair[1], pair[0]] } else { pair };
+        let probe = Probe {
+            ways: swap([depth, beyond]),
+            triangles: if i == 1 { [other, own] } else { [own, other] },
+            separation: -back,
+        };
+        Some((patch.center + aside, probe))
+    })
+}
+
 impl Probe {
     /// The contact point at `p`.
+
     fn feature(&self, patch: &Patch, p: DVec3, origin: Origin) -> Feature {
         let [up, down] = self.ways;
         Feature {

@@ -103,7 +103,7 @@ impl PlacedCluster {
             tilt: has_normal.select(tilt, splat(simd, ANY_TILT)),
             edge_rotation,
             sides: extent[0] + extent[1] + extent[2],
-            winding,
+            nearest_rotation: side.nearest_rotations(simd, first).copysign(winding),
         };
         eight.scatter(triangles);
         (self.min, self.max) = (store_points(low), store_points(high));

@@ -8,6 +8,7 @@ use super::feature::{Feature, TrianglePair};
 use super::kept::{KeptCandidates, Source};
 use super::near::NearTriangles;
 use super::near_clusters::NearClusters;
+use super::near_features::{BESIDE, NearFeatures};
 use super::pair::{Pair, ROUNDING};
 use super::parts::Parts;
 use super::search::Wanted;
@@ -30,6 +31,7 @@ pub struct Shares {
     shares: Vec<Share>,
     /// Number of shares of the last pair.
     count: usize,
+    nearest: NearFeatures,
 }
 
 #[derive(Default)]
@@ -69,21 +71,83 @@ impl Shares {
             clusters,
             shares,
             count,
+            ..
         } = self;
         let shares = shares[..*count].par_iter_mut().zip(&mut kept.shares);
         let min_shares = if threads > 1 { 1 } else { *count };
         loops::for_each(shares, min_shares, |(share, candidates)| {
             share.run(pair, wanted, &source, clusters, candidates, &admit);
         });
+        self.find_nearest(pair, wanted, &source, kept);
         source
     }
 
+    /// Finds the features between nearest points.
+    fn find_nearest(&mut self, pair: &Pair, wanted: &Wanted, source: &Source, kept: &mut KeptCandidates) {
+        let Self {
+            clusters,
+            shares,
+            count,
+            nearest,
+        } = self;
+        let shares = &mut shares[..*count];
+        nearest.clear();
+        if wanted.window.is_some() {
+            return;
+        }
+        // Surfaces that cross have no distance.
+        let crosses = shares.iter().any(|share| !share.segments.is_empty());
+        let features = shares.iter().flat_map(|share| &share.features);
+        let distance = if crosses { 0.0 } else { least_distance(features) };
+        let one_sided = pair.sides.iter().all(|side| side.features.one_sided.all());
+        let most = if one_sided {
+            distance.min(wanted.margin)
+        } else {
+            wanted.margin
+        };
+        nearest.set_limits(wanted.margin, distance);
+        for (share, candidates) in shares.iter_mut().zip(&mut kept.shares) {
+            match source {
+                Source::Search(search) => {
+                    let slack = search.slack;
+                    // After a motion the surfaces may be farther apart, and so may all features that then count.
+                    let beside = BESIDE * (wanted.margin + slack.distance);
+                    let kept = most + beside + 2.0 * slack.distance;
+                    let reach = if slack.distance > 0.0 { kept } else { most };
+                    if reach <= 0.0 {
+                        continue;
+                    }
+                    share.near.for_each_nearest(pair.pose.size, clusters, reach, |numbers| {
+                        let triangles = [0, 1].map(|i| pair.sides[i].triangle(numbers[i]));
+                        let Some(both) = TrianglePair::new(&pair.sides, triangles.each_ref(), reach) else {
+                            return;
+                        };
+                        nearest.add(&both);
+                        if slack.distance > 0.0 && both.may_have_nearest(reach, slack) {
+                            candidates.nearest.push(numbers);
+                        }
+                    });
+                }
+                Source::Kept { .. } if most > 0.0 => {
+                    for &numbers in &candidates.nearest {
+                        let triangles = [0, 1].map(|i| pair.sides[i].triangle(numbers[i]));
+                        if let Some(both) = TrianglePair::new(&pair.sides, triangles.each_ref(), most) {
+                            nearest.add(&both);
+                        }
+                    }
+                }
+                Source::Kept { .. } => {}
+            }
+        }
+    }
+
     /// Writes the features that were found, in order.
-    pub fn features(&self, to: &mut Vec<Feature>) {
+    pub fn features(&mut self, to: &mut Vec<Feature>) {
         to.clear();
         for share in &self.shares[..self.count] {
             to.extend_from_slice(&share.features);
         }
+        self.nearest.append_to(to);
     }
 
     /// Writes the segments that were found, in order.
@@ -114,6 +178,19 @@ impl Shares {
             self.shares.resize_with(self.count, Share::default);
         }
     }
+}
+
+/// The least distance of the points of these features; 0 if any overlaps.
+fn least_distance<'a>(features: impl Iterator<Item = &'a Feature>) -> f64 {
+    let distance = |feature: &Feature| {
+        let overlaps = feature.separation <= 0.0;
+        if overlaps {
+            0.0
+        } else {
+            feature.points[0].distance(feature.points[1])
+        }
+    };
+    features.map(distance).fold(f64::INFINITY, f64::min)
 }
 
 impl Share {

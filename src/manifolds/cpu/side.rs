@@ -128,6 +128,11 @@ impl Side<'_> {
         self.inverse * (p - self.origin)
     }
 
+    /// The direction in which heights of the mesh's points are heights of placed points along `d`.
+    pub fn direction_from(&self, d: DVec3) -> DVec3 {
+        self.matrix.transpose() * d
+    }
+
     /// Transforms a direction back to the mesh, with its length.
     pub fn direction_to_mesh(&self, d: DVec3) -> DVec3 {
         self.inverse * d
@@ -168,13 +173,25 @@ impl Side<'_> {
     /// edge that it owns, radians.
     #[inline(always)]
     pub fn edge_normal_rotations<S: Simd>(&self, simd: S, first: u32) -> f32x8<S> {
+        self.rotations(simd, &self.features.edge_normal_rotations, first)
+    }
+
+    /// For eight triangles from `first` on, the largest angle between a triangle's normal and the way to a point to which it
+    /// is nearest at a vertex or edge that it owns, radians.
+    #[inline(always)]
+    pub fn nearest_rotations<S: Simd>(&self, simd: S, first: u32) -> f32x8<S> {
+        self.rotations(simd, &self.features.nearest_rotations, first)
+    }
+
+    #[inline(always)]
+    fn rotations<S: Simd>(&self, simd: S, of_triangles: &[f32], first: u32) -> f32x8<S> {
         let any = splat(simd, ANY_NORMAL);
         // Non-uniform scales change angles.
         let scale = self.scale.abs();
         if scale.max_element() > scale.min_element() * (1.0 + 1.0e-6) {
             return any;
         }
-        let rotations = eight_from(&self.features.edge_normal_rotations, first, ANY_NORMAL);
+        let rotations = eight_from(of_triangles, first, ANY_NORMAL);
         let wider = f32x8::simd_from(simd, rotations) + splat(simd, ARC_SLACK as f32 * ARC as f32);
         wider.min(any)
     }

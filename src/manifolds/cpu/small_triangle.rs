@@ -1,7 +1,9 @@
 //! Triangles in single precision, one at a time in memory and eight at a time in registers.
 
 use super::precision::DIRECTION_ERROR;
-use crate::simd::lanes::{Points, Simd, SimdBase, columns, each, each_lane, f32x8, mask32x8, pick, rows, splat};
+use crate::simd::lanes::{
+    Points, Simd, SimdBase, SimdFloat, columns, each, each_lane, f32x8, mask32x8, pick, rows, splat,
+};
 use crate::triangle_test::cpu::interval_test::Eight;
 #[cfg(test)]
 use glam::Vec3;
@@ -29,8 +31,9 @@ pub struct EightTriangles<S: Simd> {
     pub edge_rotation: f32x8<S>,
     /// Sum of the sides of the triangle's box.
     pub sides: f32x8<S>,
-    /// 1 if the corners are counter-clockwise seen from outside, else -1.
-    pub winding: f32x8<S>,
+    /// Largest angle between the triangle's normal and the way to a point to which it is nearest at a vertex or edge that it
+    /// owns, radians; negative if the corners are clockwise seen from outside.
+    pub nearest_rotation: f32x8<S>,
 }
 
 impl SmallTriangle {
@@ -69,14 +72,14 @@ impl<S: Simd> EightTriangles<S> {
             #[inline(always)]
             |k| columns(simd, each_lane(|lane| from[lane].corner(k))),
         );
-        let [tilt, edge_rotation, sides, winding] = columns(simd, each_lane(|lane| &from[lane].measures));
+        let [tilt, edge_rotation, sides, nearest_rotation] = columns(simd, each_lane(|lane| &from[lane].measures));
         Self {
             corners: [[a, b, c], [d, e, f], [g, h, i]],
             normal: [x, y, z],
             tilt,
             edge_rotation,
             sides,
-            winding,
+            nearest_rotation,
         }
     }
 
@@ -85,6 +88,12 @@ impl<S: Simd> EightTriangles<S> {
     pub fn has_direction(&self) -> mask32x8<S> {
         // Also false for NaN.
         self.tilt.simd_lt(splat(self.tilt.simd, DIRECTION_ERROR))
+    }
+
+    /// 1 if the corners are counter-clockwise seen from outside, else -1.
+    #[inline(always)]
+    pub fn winding(&self) -> f32x8<S> {
+        splat(self.tilt.simd, 1.0).copysign(self.nearest_rotation)
     }
 
     /// Outward unit normals; zero where single precision does not determine them.
@@ -115,7 +124,7 @@ impl<S: Simd> EightTriangles<S> {
                 rows([x, y, z, self.normal[k]])
             },
         );
-        let measures = rows([self.tilt, self.edge_rotation, self.sides, self.winding]);
+        let measures = rows([self.tilt, self.edge_rotation, self.sides, self.nearest_rotation]);
         for (lane, to) in to.iter_mut().enumerate() {
             to.corners = [first[lane], second[lane], third[lane]];
             to.measures = measures[lane];

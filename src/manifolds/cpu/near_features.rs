@@ -1,0 +1,94 @@
+//! Which features between nearest points count.
+//!
+//! Of one-sided triangles only those where the bodies are nearest, if they are nearer there than at all other features of the
+//! pair: bodies that rest on each other have none. The rims of open meshes have no overlap that would push them apart later,
+//! so all of their features count.
+
+use super::feature::{Feature, Origin, TrianglePair};
+
+/// A feature must be nearer than others by this part.
+const NEARER: f64 = 1.0 - 1.0e-6;
+/// Features of solids count if they are farther apart than the nearest by no more than this part of the margin: both ends of
+/// two edges that are all but parallel.
+pub const BESIDE: f64 = 0.1;
+
+/// Features between nearest points, and memory kept between pairs.
+#[derive(Default)]
+pub struct NearFeatures {
+    /// Those of one-sided triangles.
+    of_solids: Vec<Feature>,
+    /// Those of which a triangle is two-sided.
+    of_sheets: Vec<Feature>,
+    margin: f64,
+    /// The least distance of other features.
+    others: f64,
+    /// The vertices that have a feature over a face, with its separation.
+    vertices: Vec<((u8, u32), f64)>,
+    /// The edges that have a feature, by their triangles.
+    edges: Vec<([u32; 2], [u8; 2])>,
+}
+
+impl NearFeatures {
+    /// Removes all.
+    pub fn clear(&mut self) {
+        self.of_solids.clear();
+        self.of_sheets.clear();
+    }
+
+    /// Sets the largest distance of features, and the least of other ones.
+    pub fn set_limits(&mut self, margin: f64, others: f64) {
+        (self.margin, self.others) = (margin, others);
+    }
+
+    /// Adds the features of two triangles.
+    pub fn add(&mut self, pair: &TrianglePair) {
+        let one_sided = (0..2).all(|i| {
+            let one_sided = &pair.sides[i].features.one_sided;
+            one_sided.is(pair.triangles[i].number as usize)
+        });
+        if one_sided {
+            let most = self.margin.min(NEARER * self.others);
+            pair.nearest_features(most, |feature| self.of_solids.push(feature));
+        } else {
+            pair.nearest_features(self.margin, |feature| self.of_sheets.push(feature));
+        }
+    }
+
+    /// Appends those that count to the pair's other features.
+    pub fn append_to(&mut self, features: &mut Vec<Feature>) {
+        if !self.of_sheets.is_empty() {
+            self.drop_known(features);
+        }
+        let nearest = self.of_solids.iter().map(|feature| feature.separation);
+        let most = nearest.fold(f64::INFINITY, f64::min) + BESIDE * self.margin;
+        let counts = |feature: &&Feature| feature.separation <= most;
+        features.extend(self.of_solids.iter().filter(counts));
+        features.extend_from_slice(&self.of_sheets);
+    }
+
+    /// Drops features of a vertex that is over a face of the other body and nearer to that, and of edges that have one.
+    fn drop_known(&mut self, features: &[Feature]) {
+        self.vertices.clear();
+        self.edges.clear();
+        for feature in features {
+            match feature.origin {
+                Origin::Vertex { side, vertex } => self.vertices.push(((side, vertex), feature.separation)),
+                Origin::Edges(edges) if feature.separation >= 0.0 => self.edges.push((feature.triangles, edges)),
+                _ => {}
+            }
+        }
+        self.vertices
+            .sort_unstable_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)));
+        self.edges.sort_unstable();
+        let (vertices, edges) = (&self.vertices, &self.edges);
+        self.of_sheets.retain(|feature| match feature.origin {
+            Origin::VertexEdge { side, vertex, .. } | Origin::Vertex { side, vertex } => {
+                let first = vertices.partition_point(|(other, _)| *other < (side, vertex));
+                let known = vertices.get(first).filter(|(other, _)| *other == (side, vertex));
+                known.is_none_or(|(_, separation)| NEARER * separation > feature.separation)
+            }
+            Origin::Edges(places) => edges.binary_search(&(feature.triangles, places)).is_err(),
+            _ => true,
+        });
+    }
+}

@@ -1,0 +1,388 @@
+//! Features between nearest points: a corner and an edge, two corners, edges of any angle, and, of two-sided triangles, a
+//! corner over the back of a face.
+//!
+//! The way from one point to the other is the normal. It must be the shortest of all ways nearby: no face and no edge of
+//! either feature leads nearer to the other point. So no feature is found where a corner over a face, or two edges that
+//! cross, are nearer. Parallel edges touch with the ends of the part along which they overlap.
+
+use super::candidates::squared_distance;
+use super::feature::{Feature, OUTSIDE, Origin, TrianglePair};
+use super::search::Slack;
+use super::side::{Side, Triangle};
+use crate::geometry::features::NONE;
+use crate::simd::lanes::bits;
+use arrayvec::ArrayVec;
+use glam::DVec3;
+
+/// Sine of the angle between the way and a face's normal, or an edge's perpendicular, below which it counts as that. It keeps
+/// the condition of points that all but touch from being that of [`OUTSIDE`] alone, which all ways would meet.
+const ALONG: f64 = 1.0e-3;
+/// Sine of the angle below which two edges have no nearest points within both but for rounding.
+const EXACTLY_PARALLEL: f64 = 1.0e-7;
+/// Rounding error of a position, relative to the largest coordinate.
+const ROUNDING: f64 = 1.0e-14;
+
+/// A corner that a triangle owns.
+struct Corner<'a> {
+    side: &'a Side<'a>,
+    k: usize,
+    at: DVec3,
+    vertex: u32,
+}
+
+/// An edge that a triangle owns.
+struct Edge<'a> {
+    side: &'a Side<'a>,
+    triangle: &'a Triangle,
+    k: usize,
+    start: DVec3,
+    along: DVec3,
+    square: f64,
+}
+
+/// By how much the conditions are wider, see [`Slack`].
+#[derive(Clone, Copy)]
+struct Wider {
+    slack: Slack,
+    rounding: f64,
+}
+
+impl Wider {
+    /// Bound of the change of a unit vector's product with the way between two points.
+    fn of_way(&self, way: f64) -> f64 {
+        self.slack.distance + self.slack.rotation * (way + self.slack.distance) + self.rounding
+    }
+
+    /// How far beside an edge, or beyond the end of one of this length, points still count as over the face, or beside the
+    /// edge.
+    fn outside(way: f64, length: f64) -> f64 {
+        (OUTSIDE * length).min(ALONG * way)
+    }
+}
+
+impl<'a> Corner<'a> {
+    fn new(side: &'a Side<'a>, triangle: &Triangle, k: usize) -> Self {
+        Self {
+            side,
+            k,
+            at: triangle.corners[k],
+            vertex: side.features.triangles[triangle.number as usize][k],
+        }
+    }
+
+    /// Whether none of its edges leads nearer to the end of this way from it.
+    fn faces(&self, way: DVec3, wider: &Wider) -> bool {
+        let length = way.length();
+        let own = wider.of_way(length);
+        let features = self.side.features;
+        features.neighbors_of(self.vertex).iter().all(|&neighbor| {
+            let edge = self.side.vertex(neighbor) - self.at;
+            let of_edge = edge.length();
+            edge.dot(way) <= of_edge * (own + Wider::outside(length, of_edge))
+        })
+    }
+
+    /// Unit vector away from its edges.
+    fn outward(&self) -> DVec3 {
+        let neighbors = self.side.features.neighbors_of(self.vertex).iter();
+        let away = |&neighbor: &u32| (self.at - self.side.vertex(neighbor)).normalize_or_zero();
+        neighbors.map(away).sum::<DVec3>().normalize_or_zero()
+    }
+}
+
+impl<'a> Edge<'a> {
+    fn new(side: &'a Side<'a>, triangle: &'a Triangle, k: usize) -> Self {
+        let start = triangle.corners[k];
+        let along = triangle.corners[(k + 1) % 3] - start;
+        Self {
+            side,
+            triangle,
+            k,
+            start,
+            along,
+            square: along.length_squared(),
+        }
+    }
+
+    /// For each of its faces, the unit vector in the face, perpendicular to the edge, away from it.
+    fn inward(&self) -> ArrayVec<DVec3, 2> {
+        let mut inward = ArrayVec::new();
+        let mut add = |corner: DVec3| {
+            let way = corner - self.start;
+            inward.extend((way - self.along * (way.dot(self.along) / self.square)).try_normalize());
+        };
+        add(self.triangle.corners[(self.k + 2) % 3]);
+        let (features, number) = (self.side.features, self.triangle.number as usize);
+        let other = features.across[features.triangle_edges[number][self.k] as usize];
+        if other != NONE {
+            let own = features.triangles[number];
+            let ends = [own[self.k], own[(self.k + 1) % 3]];
+            let third = features.triangles[other as usize].iter().find(|v| !ends.contains(v));
+            if let Some(&third) = third {
+                add(self.side.vertex(third));
+            }
+        }
+        inward
+    }
+
+    /// Whether none of its faces leads nearer to the end of this way, to another edge.
+    fn faces(&self, way: DVec3, wider: &Wider) -> bool {
+        let most = wider.of_way(way.length());
+        self.inward().iter().all(|inward| inward.dot(way) <= most)
+    }
+
+    /// Whether the end of this way, a corner, lies beside all of its faces.
+    fn is_outside(&self, way: DVec3, wider: &Wider) -> bool {
+        let length = way.length();
+        let most = if wider.slack.distance > 0.0 {
+            wider.of_way(length)
+        } else {
+            -Wider::outside(length, self.square.sqrt())
+        };
+        self.inward().iter().all(|inward| inward.dot(way) <= most)
+    }
+
+    fn outward(&self) -> DVec3 {
+        -self.inward().iter().sum::<DVec3>().normalize_or_zero()
+    }
+}
+
+/// Two points, and a direction that separates them if they touch.
+struct Points {
+    points: [DVec3; 2],
+    outward: DVec3,
+    origin: Origin,
+}
+
+/// The direction that separates two features of which these lie outward; zero if their points do not touch.
+fn outward(distance: f64, wider: &Wider, of: impl Fn() -> [DVec3; 2]) -> DVec3 {
+    if distance > wider.rounding {
+        return DVec3::ZERO;
+    }
+    let [a, b] = of();
+    (a - b).normalize_or_zero()
+}
+
+impl TrianglePair<'_> {
+    /// Calls `found` for each feature between nearest points no farther apart than `most`.
+    pub fn nearest_features(&self, most: f64, mut found: impl FnMut(Feature)) {
+        let wider = Wider {
+            slack: Slack::default(),
+            rounding: self.rounding(),
+        };
+        self.each_nearest(
+            most,
+            &wider,
+            |Points {
+                 points,
+                 outward,
+                 origin,
+             }| {
+                let way = points[1] - points[0];
+                let distance = way.length();
+                let normal = if distance > wider.rounding {
+                    way / distance
+                } else {
+                    // The way between points that touch is rounding only.
+                    outward
+                };
+                if normal != DVec3::ZERO {
+                    found(Feature {
+                        points,
+                        normal,
+                        separation: distance,
+                        triangles: self.triangles.map(|triangle| triangle.number),
+                        origin,
+                    });
+                }
+            },
+        );
+    }
+
+    /// Whether the triangles may have features between nearest points no farther apart than `most` after a motion within
+    /// the slack.
+    pub fn may_have_nearest(&self, most: f64, slack: Slack) -> bool {
+        let wider = Wider {
+            slack,
+            rounding: self.rounding(),
+        };
+        let mut any = false;
+        self.each_nearest(most + slack.distance, &wider, |_| any = true);
+        any
+    }
+
+    fn rounding(&self) -> f64 {
+        let [a, b] = self.triangles.map(|triangle| triangle.corners);
+        let largest = a.iter().chain(&b).map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        ROUNDING * largest
+    }
+
+    fn each_nearest(&self, most: f64, wider: &Wider, mut found: impl FnMut(Points)) {
+        if !self.is_within(most) {
+            return;
+        }
+        let owned = |i: usize| self.sides[i].features.owned[self.triangles[i].number as usize];
+        let corners: [ArrayVec<Corner, 3>; 2] = [0, 1].map(|i| {
+            let corner = |k| Corner::new(&self.sides[i], self.triangles[i], k);
+            bits(owned(i) & 0b111).map(corner).collect()
+        });
+        let edges: [ArrayVec<Edge, 3>; 2] = [0, 1].map(|i| {
+            let edge = |k| Edge::new(&self.sides[i], self.triangles[i], k);
+            bits(owned(i) >> 3 & 0b111).map(edge).collect()
+        });
+        for a in &corners[0] {
+            for b in &corners[1] {
+                self.of_corners([a, b], most, wider).map(&mut found);
+            }
+        }
+        for (i, (corners, edges)) in corners.iter().zip(edges.iter().rev()).enumerate() {
+            for corner in corners {
+                for edge in edges {
+                    self.of_corner_and_edge(i, corner, edge, most, wider).map(&mut found);
+                }
+                if !self.sides[1 - i]
+                    .features
+                    .one_sided
+                    .is(self.triangles[1 - i].number as usize)
+                {
+                    self.over_back(i, corner, most, wider).map(&mut found);
+                }
+            }
+        }
+        for a in &edges[0] {
+            for b in &edges[1] {
+                self.of_edges([a, b], most, wider).map(&mut found);
+            }
+        }
+    }
+
+    fn of_corners(&self, [a, b]: [&Corner; 2], most: f64, wider: &Wider) -> Option<Points> {
+        let way = b.at - a.at;
+        (way.length_squared() <= most * most && a.faces(way, wider) && b.faces(-way, wider)).then(|| Points {
+            points: [a.at, b.at],
+            outward: outward(way.length(), wider, || [a.outward(), b.outward()]),
+            origin: Origin::Vertices([a.k as u8, b.k as u8]),
+        })
+    }
+
+    /// A corner of this side and an edge of the other.
+    fn of_corner_and_edge(
+        &self,
+        side: usize,
+        corner: &Corner,
+        edge: &Edge,
+        most: f64,
+        wider: &Wider,
+    ) -> Option<Points> {
+        let at = (corner.at - edge.start).dot(edge.along) / edge.square;
+        let foot = edge.start + edge.along * at;
+        let way = corner.at - foot;
+        let square = way.length_squared();
+        // Also for edges without length.
+        if !(square <= most * most) {
+            return None;
+        }
+        let length = edge.square.sqrt();
+        let within = if wider.slack.distance > 0.0 {
+            -wider.of_way(square.sqrt()) / length
+        } else {
+            Wider::outside(square.sqrt(), length) / length
+        };
+        if at < within || at > 1.0 - within || !edge.is_outside(way, wider) || !corner.faces(-way, wider) {
+            return None;
+        }
+        let swap = |pair: [DVec3; 2]| if side == 1 { [pair[1], pair[0]] } else { pair };
+        Some(Points {
+            points: swap([corner.at, foot]),
+            outward: outward(square.sqrt(), wider, || swap([corner.outward(), edge.outward()])),
+            origin: Origin::VertexEdge {
+                side: side as u8,
+                edge: edge.k as u8,
+                vertex: corner.vertex,
+            },
+        })
+    }
+
+    fn of_edges(&self, [a, b]: [&Edge; 2], most: f64, wider: &Wider) -> Option<Points> {
+        let cross = a.along.cross(b.along);
+        let square = cross.length_squared();
+        let between = b.start - a.start;
+        let product = between.dot(cross);
+        // The distance of the lines rejects most pairs.
+        if product * product > most * most * square || square == 0.0 {
+            return None;
+        }
+        if squared_distance([a.start, a.along], [b.start, b.along]) > most * most {
+            return None;
+        }
+        let origin = Origin::Edges([a.k as u8, b.k as u8]);
+        let sine = (square / (a.square * b.square)).sqrt();
+        let turn = 2.0 * wider.slack.rotation / sine + wider.slack.rotation;
+        if wider.slack.distance > 0.0 {
+            let points = [a.start, b.start];
+            let faces = |normal: DVec3| {
+                let most = turn + wider.rounding;
+                let all = |edge: &Edge, normal: DVec3| edge.inward().iter().all(|inward| inward.dot(normal) <= most);
+                all(a, normal) && all(b, -normal)
+            };
+            let normal = cross * square.sqrt().recip();
+            return (sine + wider.slack.rotation > EXACTLY_PARALLEL
+                && (!(turn < 1.0) || faces(normal) || faces(-normal)))
+            .then_some(Points {
+                points,
+                outward: DVec3::ZERO,
+                origin,
+            });
+        }
+        if sine <= EXACTLY_PARALLEL {
+            return None;
+        }
+        let at_a = between.cross(b.along).dot(cross) / square;
+        let at_b = between.cross(a.along).dot(cross) / square;
+        if !(0.0..=1.0).contains(&at_a) || !(0.0..=1.0).contains(&at_b) {
+            return None;
+        }
+        let points = [a.start + a.along * at_a, b.start + b.along * at_b];
+        let way = points[1] - points[0];
+        // Edges that cross and touch have a feature without this.
+        (way.length() > wider.rounding && a.faces(way, wider) && b.faces(-way, wider)).then(|| Points {
+            points,
+            outward: DVec3::ZERO,
+            origin,
+        })
+    }
+
+    /// A corner of this side over the back of the other side's face.
+    fn over_back(&self, side: usize, corner: &Corner, most: f64, wider: &Wider) -> Option<Points> {
+        let over = self.triangles[1 - side];
+        let height = self.heights[side][corner.k];
+        // The normal may turn round after a motion.
+        let may_turn = wider.slack.distance > 0.0;
+        if height.abs() > most || height >= 0.0 && !may_turn {
+            return None;
+        }
+        let foot = corner.at - over.normal * height;
+        let aside = wider.slack.distance + wider.slack.rotation * most;
+        for i in 0..3 {
+            let edge = over.corners[(i + 1) % 3] - over.corners[i];
+            let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.winding_sign;
+            let square = edge.length_squared();
+            if across <= -(OUTSIDE * square + aside * square.sqrt()) {
+                return None;
+            }
+        }
+        let way = foot - corner.at;
+        if !may_turn && !corner.faces(way, wider) {
+            return None;
+        }
+        let swap = |pair: [DVec3; 2]| if side == 1 { [pair[1], pair[0]] } else { pair };
+        Some(Points {
+            points: swap([corner.at, foot]),
+            outward: DVec3::ZERO,
+            origin: Origin::Vertex {
+                side: side as u8,
+                vertex: corner.vertex,
+            },
+        })
+    }
+}
