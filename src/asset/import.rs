@@ -248,6 +248,26 @@ pub(crate) fn source_hash(bytes: &[u8], part: Option<&MeshPart>, files: &[Vec<u8
 
 impl Format {
     fn of(name: &str, bytes: &[u8]) -> Result<Self, ImportError> {
+        let format = Self::recognised(name, bytes)?;
+        let is_text = match format {
+            Self::Obj | Self::Off => true,
+            Self::Stl => stl::is_text(bytes),
+            Self::Baked | Self::Gltf(_) | Self::Ply => false,
+        };
+        if is_text && has_old_line_ends(bytes) {
+            return Err(ImportError::OldLineEnds);
+        }
+        Ok(format)
+    }
+
+    fn recognised(name: &str, bytes: &[u8]) -> Result<Self, ImportError> {
+        // What stands in place of a mesh has any name.
+        if bytes.starts_with(LFS_POINTER) {
+            return Err(ImportError::LfsPointer);
+        }
+        if is_utf16(bytes) {
+            return Err(ImportError::Utf16);
+        }
         let extension = Path::new(name)
             .extension()
             .map(|e| e.to_string_lossy().to_ascii_lowercase())
@@ -285,6 +305,25 @@ impl Format {
             _ => return Err(ImportError::Unknown),
         })
     }
+}
+
+/// How the text begins that Git LFS leaves in place of a file.
+const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+
+/// Whether it is text in UTF-16: it begins with a byte order mark of that, and every other byte near it is zero.
+fn is_utf16(bytes: &[u8]) -> bool {
+    let zero = match bytes {
+        [0xff, 0xfe, ..] => 1,
+        [0xfe, 0xff, ..] => 0,
+        _ => return false,
+    };
+    let start = &bytes[2..bytes.len().min(32)];
+    start.len() >= 2 && start.chunks_exact(2).all(|unit| unit[zero] == 0)
+}
+
+/// Whether the lines of a text end with a carriage return alone, as on computers of the last century.
+fn has_old_line_ends(bytes: &[u8]) -> bool {
+    !bytes.contains(&b'\n') && bytes.trim_ascii().contains(&b'\r')
 }
 
 /// Whether it is a ZIP file with the usual name of a 3MF model.

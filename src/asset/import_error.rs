@@ -129,8 +129,8 @@ pub enum ImportError {
         /// How many there are.
         there: u64,
     },
-    /// A face of an OFF file has fewer corners than it says.
-    #[error("line {line}: a face says that it has {wanted} corners, and the line has fewer")]
+    /// The last face of an OFF file has fewer corners than it says.
+    #[error("line {line}: a face says that it has {wanted} corners, and has fewer")]
     OffShortFace {
         /// The line.
         line: usize,
@@ -247,6 +247,19 @@ pub enum ImportError {
          faces in code"
     )]
     Unsupported(&'static str),
+    /// The file is a pointer of Git LFS.
+    #[error(
+        "the file is a pointer of Git LFS, which stands in place of the mesh; run `git lfs pull`, or download the file itself"
+    )]
+    LfsPointer,
+    /// The file is text in UTF-16.
+    #[error("the file is text in UTF-16; save it as UTF-8 or ASCII")]
+    Utf16,
+    /// The lines of a text end with a carriage return alone.
+    #[error(
+        "the lines of the file end with a carriage return alone (CR), as on old Macs; save it with line feeds (LF or CR LF)"
+    )]
+    OldLineEnds,
     /// Neither the name nor the first bytes identify the format.
     #[error("the format is unknown; mesh files end in .gltf, .glb, .obj, .stl, .ply, .off, .faceoff or .bake.ron")]
     Unknown,

@@ -1,7 +1,7 @@
 //! Reader and writer for OFF, the text format of Geomview: only positions and faces.
 //!
-//! Each vertex and each face is expected on a line of its own, as all programs write them; what follows on the line, for
-//! example a colour, is ignored. There is no maintained crate that reads it.
+//! Each vertex and each face is expected to begin on a line of its own, as all programs write them; what follows on the line, for
+//! example a colour, is ignored. The corners of a face may go on over further lines. There is no maintained crate that reads it.
 
 use super::import_error::ImportError;
 use super::polygons::Polygons;
@@ -30,13 +30,16 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, 
     let mut counts = words(rest).map(|word| count(line, word));
     let mut next_count = || counts.next().unwrap_or(Err(ImportError::OffCounts { line }));
     let (vertex_count, face_count) = (next_count()?, next_count()?);
-    let mut line_of = |what: &'static str, read: usize, wanted: u64| {
-        let there = read as u64;
-        lines.next().ok_or(ImportError::OffCutOff { what, wanted, there })
+    let cut_off = |what: &'static str, read: usize, wanted: u64| ImportError::OffCutOff {
+        what,
+        wanted,
+        there: read as u64,
     };
     let mut vertices = Vec::new();
     while (vertices.len() as u64) < vertex_count {
-        let (line, text) = line_of("vertices", vertices.len(), vertex_count)?;
+        let (line, text) = lines
+            .next()
+            .ok_or_else(|| cut_off("vertices", vertices.len(), vertex_count))?;
         let mut words = words(text);
         let mut position = [0.0f32; 3];
         for x in &mut position {
@@ -47,13 +50,19 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, 
     let mut polygons = Polygons::default();
     let (mut corners, mut read) = (Vec::new(), 0);
     while (read as u64) < face_count {
-        let (line, text) = line_of("faces", read, face_count)?;
-        let mut words = words(text);
-        let wanted = words.next().map_or(Ok(0), |word| count(line, word))?;
+        let (line, text) = lines.next().ok_or_else(|| cut_off("faces", read, face_count))?;
+        let (mut at, mut rest) = (line, words(text));
+        let wanted = rest.next().map_or(Ok(0), |word| count(line, word))?;
         corners.clear();
         while (corners.len() as u64) < wanted {
-            let word = words.next().ok_or(ImportError::OffShortFace { line, wanted })?;
-            corners.push(integer(line, word)?);
+            match rest.next() {
+                Some(word) => corners.push(integer(at, word)?),
+                // The face goes on in the next line.
+                None => {
+                    let (next, text) = lines.next().ok_or(ImportError::OffShortFace { line, wanted })?;
+                    (at, rest) = (next, words(text));
+                }
+            }
         }
         polygons.push(&corners)?;
         read += 1;

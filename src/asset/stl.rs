@@ -53,6 +53,11 @@ pub(super) fn is_likely(bytes: &[u8]) -> bool {
     text || (bytes.len() > PREFIX && expected_length(bytes) == Some(bytes.len() as u64))
 }
 
+/// Whether a file is text.
+pub(super) fn is_text(bytes: &[u8]) -> bool {
+    !is_binary(bytes)
+}
+
 /// Whether a file is binary. The length decides, because binary headers may begin with `solid` too. If the length does
 /// not match, a file is text if it begins with `solid` and has no zero byte near the start.
 fn is_binary(bytes: &[u8]) -> bool {

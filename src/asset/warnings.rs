@@ -22,7 +22,11 @@ impl BakedMesh {
         );
         count(
             DefectKind::Duplicate,
-            "have the same corners as an earlier one; remove doubled faces",
+            if self.mesh.twins().is_empty() {
+                "have the same corners as an earlier one; remove doubled faces"
+            } else {
+                "have the same corners as an earlier one and count once for the mass; remove doubled faces"
+            },
         );
         let turned = self.mesh.turned().iter().filter(|turned| **turned).count() as u64;
         // All are turned only if the settings say so.

@@ -34,7 +34,8 @@ const NARROW: f64 = 1.5;
 ///
 /// Connectivity is that of [`TriMesh`], on welded vertices. Each vertex and each edge is owned by the first triangle
 /// that has it, so a loop over pairs of triangles visits each pair of features once. Triangles with two corners on one
-/// vertex are collapsed: they own nothing and are not neighbours across any edge.
+/// vertex are collapsed: they own nothing and are not neighbours across any edge. Neither do those that count once with another one
+/// that has the same corners.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFeatures {
     /// Vertex positions in mesh space, in the order in which the mesh's triangles first use them.
@@ -80,6 +81,8 @@ pub struct MeshFeatures {
     pub vertex_curvature_radii: Vec<f32>,
     /// Which triangles push only to the side of their normal.
     pub one_sided: OneSided,
+    /// For each triangle, whether it counts once with another one that has the same corners; empty if none does.
+    twins: Vec<bool>,
 }
 
 /// The first triangle of an edge.
@@ -119,11 +122,28 @@ impl MeshFeatures {
         &self.neighbors[at(vertex)..at(vertex + 1)]
     }
 
+    /// Notes triangles that own nothing because another one has the same corners. Else no edge of a surface that is there twice
+    /// could touch another edge: each has four triangles.
+    fn add_twins(&mut self, mesh: &TriMesh) {
+        let twins = mesh.twins();
+        if !twins.is_empty() {
+            self.twins = vec![false; mesh.triangles().len()];
+        }
+        for [t, _] in twins {
+            self.twins[t] = true;
+        }
+    }
+
+    fn is_twin(&self, t: usize) -> bool {
+        self.twins.get(t) == Some(&true)
+    }
+
     /// Adds triangles, vertices, normals and the owners of vertices. Returns for each vertex of the mesh its index in
     /// [`MeshFeatures::vertices`], [`NONE`] if no triangle uses it.
     fn add_triangles(&mut self, mesh: &TriMesh) -> Vec<u32> {
         let mut numbers = vec![NONE; mesh.vertices().len()];
         let mut has_owner = Vec::new();
+        self.add_twins(mesh);
         for (t, corners) in mesh.triangles().iter().enumerate() {
             let triangle = corners.map(|corner| {
                 let keeper = mesh.welded()[corner as usize];
@@ -136,7 +156,7 @@ impl MeshFeatures {
                 *number
             });
             let mut owned = 0;
-            if !is_collapsed(triangle) {
+            if !is_collapsed(triangle) && !self.is_twin(t) {
                 for (k, &vertex) in triangle.iter().enumerate() {
                     if !std::mem::replace(&mut has_owner[vertex as usize], true) {
                         owned |= 1 << k;
@@ -160,7 +180,10 @@ impl MeshFeatures {
         self.triangle_edges = of_triangles;
         self.across = vec![NONE; ends.len()];
         let mut owners = vec![Owner::default(); ends.len()];
-        let collapsed: Vec<bool> = self.triangles.iter().map(|t| is_collapsed(*t)).collect();
+        let collapsed: Vec<bool> = (0..)
+            .zip(&self.triangles)
+            .map(|(t, corners)| is_collapsed(*corners) || self.is_twin(t))
+            .collect();
         for (t, edges) in self.triangle_edges.iter().enumerate() {
             if collapsed[t] {
                 continue;

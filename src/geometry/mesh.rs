@@ -1,7 +1,7 @@
 //! [`TriMesh`]: a validated triangle mesh with its connectivity.
 
 use super::mesh_error::MeshError;
-use super::topology::{Closure, DefectKind, Defects, Faces, Gaps, Orientation, Topology};
+use super::topology::{Closure, DefectKind, Defects, Faces, Gaps, Orientation, Patches, Topology};
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 use std::hint::black_box;
@@ -111,6 +111,7 @@ impl TriMesh {
             triangles: &parts.triangles,
             face_ids: &parts.face_ids,
             dropped: &parts.dropped,
+            twins: &[],
         };
         Self {
             topology: Box::new(Topology::of(&faces, parts.weld_tolerance)),
@@ -128,6 +129,7 @@ impl TriMesh {
             triangles: &self.triangles,
             face_ids: &self.face_ids,
             dropped: &self.dropped,
+            twins: &self.topology.twins,
         }
     }
 
@@ -139,7 +141,11 @@ impl TriMesh {
         if self.topology.tolerance == tolerance {
             return self;
         }
-        let topology = Box::new(Topology::of(&self.faces(), tolerance));
+        let all = Faces {
+            twins: &[],
+            ..self.faces()
+        };
+        let topology = Box::new(Topology::of(&all, tolerance));
         Self { topology, ..self }
     }
 
@@ -337,6 +343,9 @@ impl TriMesh {
     /// all together take at most a fifth. Mass and containment are those of the mesh with its caps, so that a crack or a missing face changes neither.
     /// Openings through which something could fall, as that of a box without a lid, get no caps.
     ///
+    /// If faces are there twice, and the mesh is closed or nearly so without them, they count once: each has its reverse among the
+    /// caps.
+    ///
     /// [`MAX_OPENING`]: crate::geometry::MAX_OPENING
     pub fn caps(&self) -> &[[Vec3; 3]] {
         &self.topology.caps
@@ -347,10 +356,21 @@ impl TriMesh {
         self.dropped.iter().chain(&self.topology.slivers)
     }
 
+    /// The triangles that do not count for what the mesh encloses, because another one has the same corners; and those others. They
+    /// collide. None if the mesh is open without them.
+    pub(crate) fn twins(&self) -> Vec<[usize; 2]> {
+        self.faces().twin_triangles()
+    }
+
     /// What closes an open mesh of consistent winding, however large its openings are; `None` for other meshes. Computed at every
     /// call.
     pub(super) fn closure(&self) -> Option<Closure> {
         self.faces().closure(&self.topology)
+    }
+
+    /// The patches of the surface. Computed at every call.
+    pub(super) fn patches(&self) -> Patches {
+        self.faces().patches(&self.topology.welded)
     }
 
     /// What is wrong with the mesh, counted. Computed at every call.

@@ -1,14 +1,16 @@
 //! Thickness of a closed mesh, measured by rays from its faces to the opposite surface.
 
 use super::box_tree::BoxTree;
+use super::weld::scattered;
 use crate::geometry::{Aabb, Orientation, TriMesh};
 use glam::{DVec3, Vec3};
 
 /// The maximum number of rays, one per face.
 const SAMPLES: usize = 4096;
-/// The maximum number of ray-triangle tests in total. Meshes in cluster order need a small part of it. If the triangles
-/// are in random order, every box contains most of the mesh, and without a limit the rays could take minutes.
-const BUDGET: u64 = 30_000_000;
+/// The maximum number of ray-triangle tests in total: so many, and so many more for each triangle, up to a limit. Meshes in
+/// cluster order need a small part of it. If the triangles are in random order, or many are long, every box contains most of the
+/// mesh, and without a limit the rays could take minutes.
+const BUDGET: [u64; 3] = [2_000_000, 50, 30_000_000];
 /// The fraction of the sampled area that may be thinner than the result.
 const QUANTILE: f64 = 0.02;
 
@@ -32,13 +34,12 @@ pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
     let rays = Rays::new(mesh);
     let count = mesh.triangles().len();
     let (mut tests, mut found) = (0, Vec::new());
-    for k in 0..count.min(SAMPLES) {
-        let t = if count <= SAMPLES {
-            k
-        } else {
-            // Multiples of the golden ratio spread evenly however early the budget ends the loop.
-            ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize
-        };
+    let [fixed, each, limit] = BUDGET;
+    let budget = (fixed + each * count as u64).min(limit);
+    // Faces spread evenly however early the budget ends the loop: all, or multiples of the golden ratio.
+    let golden = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
+    for (k, other) in scattered(count).take(SAMPLES).enumerate() {
+        let t = if count <= SAMPLES { other } else { golden(k) };
         let [a, b, c] = rays.corners(t);
         let normal = (b - a).cross(c - a);
         let area = normal.length();
@@ -48,7 +49,7 @@ pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
         {
             found.push((d, area));
         }
-        if tests > BUDGET {
+        if tests > budget {
             break;
         }
     }

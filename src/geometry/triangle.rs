@@ -2,9 +2,14 @@
 //! intersect.
 //!
 //! Each sign is computed with a bound on its error, which covers rounding and the given error of the corner positions.
-//! A value within its error bound counts as zero. Touching triangles are therefore never missed. Triangles whose
-//! distance is within these error bounds may be reported as touching.
+//! A value within its error bound counts as zero. Touching triangles are therefore never missed.
+//!
+//! Signs alone would say too much: an edge that almost lies in the other triangle's plane meets that plane at no certain
+//! place, and so seems to meet the triangle however far beside it passes. What signs call a touch must therefore also be
+//! one by distance: the triangles are disjoint if they are clearly apart along some direction. What remains of the band
+//! are triangles that are apart by no more than four times the error of a coordinate, and some 1e-14 of their own extent.
 
+use super::distance::nearest;
 use glam::{DVec2, DVec3};
 
 /// The intersection of two closed triangles.
@@ -46,13 +51,44 @@ pub(crate) fn intersect_placed(a: &[DVec3; 3], b: &[DVec3; 3], placing: f64) -> 
         return answer;
     }
     let flat = |h: &[Height; 3]| h.iter().all(|h| h.sign() == 0);
-    if flat(&heights_b) {
+    let found = if flat(&heights_b) {
         coplanar(a, b, plane_a.normal, placing)
     } else if flat(&heights_a) {
         coplanar(a, b, plane_b.normal, placing)
     } else {
         by_edges(a, b, &heights_a, &heights_b, placing)
-    }
+    };
+    found.filter(|_| !clearly_apart(a, b, placing))
+}
+
+/// Whether the triangles are apart along some direction by more than the error of that. However wrong a direction is, what is apart
+/// along it does not touch.
+///
+/// Disjoint triangles are apart along one of their normals, along one that is perpendicular to an edge within the plane, or along one
+/// that is perpendicular to an edge of each (Gottschalk 1996). Between two corners these may be a small part of the distance; then it
+/// is the direction of the distance itself.
+fn clearly_apart(a: &[DVec3; 3], b: &[DVec3; 3], placing: f64) -> bool {
+    let (of_a, of_b) = (a.map(|p| p - a[0]), b.map(|p| p - a[0]));
+    let extent = of_a.iter().chain(&of_b).map(|p| norm1(*p)).fold(0.0, f64::max);
+    let error = 4.0 * placing + ROUNDING * extent;
+    let is_apart_along = |axis: DVec3| {
+        let [heights_a, heights_b] = [&of_a, &of_b].map(|t| t.map(|p| p.dot(axis)));
+        let lowest = |h: [f64; 3]| h[0].min(h[1]).min(h[2]);
+        let highest = |h: [f64; 3]| h[0].max(h[1]).max(h[2]);
+        let gap = (lowest(heights_b) - highest(heights_a)).max(lowest(heights_a) - highest(heights_b));
+        gap > norm1(axis) * error
+    };
+    let edges = |t: &[DVec3; 3]| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
+    let (edges_a, edges_b) = (edges(a), edges(b));
+    let normals = [edges_a[0].cross(edges_a[1]), edges_b[0].cross(edges_b[1])];
+    let within = |normal: DVec3, edges: [DVec3; 3]| edges.iter().any(|edge| is_apart_along(normal.cross(*edge)));
+    is_apart_along(nearest(a, b).direction)
+        || within(normals[0], edges_a)
+        || within(normals[1], edges_b)
+        || edges_a
+            .iter()
+            .any(|edge| edges_b.iter().any(|other| is_apart_along(edge.cross(*other))))
+        || normals.iter().any(|normal| is_apart_along(*normal))
 }
 
 /// Rounding error of a 3 x 3 determinant relative to the product of the 1-norms of its rows: each difference, product

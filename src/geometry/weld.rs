@@ -84,7 +84,7 @@ pub fn least_distance(points: &[DVec3], aabb: Aabb, linked: impl Fn(usize, usize
 
 /// A permutation of the numbers below `count` in which consecutive numbers are far apart: multiples, modulo `count`, of
 /// a number that is coprime to `count` and near `count` over the golden ratio.
-fn scattered(count: usize) -> impl Iterator<Item = usize> {
+pub fn scattered(count: usize) -> impl Iterator<Item = usize> {
     let common = |mut a: usize, mut b: usize| {
         while b > 0 {
             (a, b) = (b, a % b);

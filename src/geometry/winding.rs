@@ -42,9 +42,13 @@ impl Winding {
     /// Fast if the triangles are in cluster order.
     pub fn new(mesh: &TriMesh) -> Self {
         let count = mesh.triangles().len();
-        let corners: Vec<[DVec3; 3]> = (0..count)
+        let mut corners: Vec<[DVec3; 3]> = (0..count)
             .map(|t| mesh.welded_corners(t).map(|v| v.as_dvec3()))
             .collect();
+        // What does not count is a point.
+        for [t, _] in mesh.twins() {
+            corners[t] = [corners[t][0]; 3];
+        }
         let leaves: Vec<Node> = (0..count.div_ceil(WIDTH))
             .map(|leaf| {
                 let triangles = (leaf * WIDTH..count.min((leaf + 1) * WIDTH)).map(|t| corners[t]);

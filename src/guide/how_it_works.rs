@@ -218,7 +218,7 @@
 //! | order of the stages | one list, which both run | the same list |
 //! | work is shared out | over pairs, and over islands, on a thread pool; small stages on one thread; the solver computes eight pairs of an island in one vector | a workgroup for each pair; for each island one, which colours its pairs and solves those of a colour at once |
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
-//! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
+//! | undecided triangles | double precision: touch up to 1e-14 of the bodies' size apart, the rounding of corners | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same GPU |
 //! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, or if their number times that of all bodies exceeds 4 million, all may have the largest number |
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |

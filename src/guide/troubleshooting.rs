@@ -13,9 +13,9 @@
 //! | `NonFinitePose`, `NonFinite` | a division by zero, often a direction normalised at length 0 | `normalize_or_zero` |
 //! | `Infinite` | infinite mass or density | `RigidBody::Static`, or `Kinematic` if it moves by itself |
 //! | `ZeroRotation` | a quaternion of zeros | `Quat::IDENTITY` |
-//! | `ZeroScale` | a scale with a zero, often an animation that begins there | begin at 0.001, or disable the collider |
+//! | `ZeroScale` | a scale with a zero, often an animation that begins there. Only a flat mesh may have one, across its plane | begin at 0.001, or disable the collider |
 //! | `TooFar`, `TooFast` | what fell out of the world | a floor, or despawn it below some height |
-//! | `Mass`, `Inertia` | a mass of zero or less, an inertia that no body has | a positive number; `AngularInertia::principal` |
+//! | `Mass`, `Inertia` | a dynamic body whose mass or density is zero, or any with a negative one; an inertia that no body has | a positive number; `AngularInertia::principal` |
 //! | `GravityScale` | beyond a million | a smaller one |
 //! | `PlaneNormal`, `PlaneDistance` | a normal without direction, a distance that is no number or beyond 1e9 m | `PlaneCollider::through` |
 //! | `Sheared` | the mesh under an unequal scale becomes flat, or too large | scale the mesh instead |
@@ -44,6 +44,7 @@
 //! | things inside a room are thrown out | the room is a closed mesh whose faces look outward, or disagree and were turned | turn its faces: the same mesh inverted is a room |
 //! | things in a bottle are pushed out | its opening takes less than a fiftieth of its area, so it counts as closed | give the glass an inside: a wall has two surfaces |
 //! | a body that appears in another one jumps | overlapping bodies are pushed apart at up to 3 m/s, deep ones at 1 m/s | spawn it apart, or lower `SolverSettings::max_depenetration_speed` |
+//! | far from the origin, slow bodies stop or lose their way | a pose is a `Transform`, and its translation has single precision: steps of 1 mm from 8 km on, of 6 cm from 524 km on. What moves by less than half of that in a step does not move: at 64 Hz less than 3 cm/s at 8 km, 2 m/s at 524 km | move the world with the camera, so that what matters is within a few kilometres |
 //! | motion stutters | frames and steps have different rates | the feature `interpolation`, and `TransformInterpolation` on the body or `InterpolationPlugin::interpolate_all()` |
 //! | a lift does not carry | its `Transform` is written in `Update`, or with `Teleport` | write it in `FixedUpdate` |
 //! | a platform pushes but does not carry | a `PlaneCollider` has no velocity | a kinematic body with a mesh |

@@ -24,7 +24,7 @@ pub struct Placement {
     pub translation: Vec3,
     /// Rotation; normalised before use.
     pub rotation: Quat,
-    /// Scale along the mesh's own axes; no component may be zero.
+    /// Scale along the mesh's own axes. No component may be zero, but along an axis on which the mesh is flat, at 0.
     pub scale: Vec3,
 }
 
@@ -72,6 +72,9 @@ pub struct CheckOptions {
 }
 
 /// All touching pairs of placements, ascending, with every triangle tested, on the CPU.
+///
+/// The poses count as exact. Corners are placed in double precision, and no touch is missed. Triangles that are apart by no more
+/// than the rounding of that, 1e-14 of the two bodies' size, may count as touching.
 ///
 /// Runs on rayon's current thread pool: call it inside `ThreadPool::install` to choose one.
 ///

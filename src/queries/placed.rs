@@ -39,13 +39,13 @@ impl<'a> Placed<'a> {
     /// Places a mesh. `rotation` may have any length but zero; `scale` is along the mesh's own axes and may mirror.
     ///
     /// # Errors
-    /// If a number is not finite, the rotation is zero, the scale makes the mesh flat, or the placed mesh extends
+    /// If a number is not finite, the rotation is zero, the scale makes a mesh flat that is not, or the placed mesh extends
     /// beyond [`MAX_COORDINATE`] metres.
     pub fn new(mesh: &'a CollisionMesh, translation: DVec3, rotation: DQuat, scale: Vec3) -> Result<Self, BodyFault> {
         if !(translation.is_finite() && rotation.is_finite() && scale.is_finite()) {
             return Err(BodyFault::NonFinitePose);
         }
-        let (rotation, radius) = check_pose(mesh.radius, rotation, scale)?;
+        let (rotation, scale, radius) = check_pose(mesh, rotation, scale)?;
         let frame = Frame::new(DVec3::ZERO, rotation, scale.as_dvec3(), mesh.mass.center);
         let extent = frame.center.abs().max_element() + f64::from(radius);
         if extent.is_nan() || extent > f64::from(MAX_COORDINATE) {

@@ -10,11 +10,12 @@ use super::compound::{Compound, Part};
 use super::fault::{BodyFault, MAX_GRAVITY_SCALE, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
 use super::part_index::PartIndex;
+use crate::asset::CollisionMesh;
 use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
 use crate::types::settings::Culling;
-use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
+use glam::{BVec3, DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
 /// One entry per collider in every array but the last three.
 #[derive(Clone, Debug, Default)]
@@ -251,12 +252,12 @@ impl Bodies {
 
     fn add(&mut self, body: &Body, meshes: &MeshArena, has_inertia: bool) -> Result<(), BodyFault> {
         let slot = &meshes[body.mesh];
-        let (rotation, unpadded_radius) = check_pose(slot.mesh.radius, body.rotation.as_dquat(), body.scale)?;
+        let (rotation, scale, unpadded_radius) = check_pose(&slot.mesh, body.rotation.as_dquat(), body.scale)?;
 
         let frame = Frame::new(
             body.position.as_dvec3(),
             rotation,
-            body.scale.as_dvec3(),
+            scale.as_dvec3(),
             slot.mesh.mass.center,
         );
         let center = frame.center.as_vec3();
@@ -282,14 +283,14 @@ impl Bodies {
         self.kind.push(body.kind);
         self.position.push(body.position);
         self.rotation.push(unit(body.rotation));
-        self.scale.push(body.scale);
+        self.scale.push(scale);
         self.linear_velocity.push(body.linear_velocity);
         self.angular_velocity.push(body.angular_velocity);
         self.frame.push(frame);
         self.center.push(center);
         self.radius.push(radius);
         self.unpadded_radius.push(unpadded_radius);
-        let thickness = slot.mesh.mass.thickness * body.scale.abs().min_element();
+        let thickness = slot.mesh.mass.thickness * scale.abs().min_element();
         self.thickness.push(thickness);
         self.speculative_radius.push(radius);
         self.travel_time.push(0.0);
@@ -329,7 +330,9 @@ pub(crate) fn check_body(body: &Body) -> Result<(), BodyFault> {
     if body.gravity_scale.abs() > MAX_GRAVITY_SCALE {
         return Err(BodyFault::GravityScale(body.gravity_scale));
     }
-    if let Some(mass) = body.mass.filter(|&mass| mass <= 0.0 || (1.0 / mass).is_infinite()) {
+    let is_weightless = |mass: f32| mass == 0.0 || (1.0 / mass).is_infinite();
+    let is_bad = |mass: &f32| *mass < 0.0 || body.kind == RigidBody::Dynamic && is_weightless(*mass);
+    if let Some(mass) = body.mass.filter(is_bad) {
         return Err(BodyFault::Mass(mass));
     }
     if body.inertia.is_some_and(|inertia| !is_inertia(&inertia)) {
@@ -356,7 +359,9 @@ fn check_collider(body: &Body) -> Result<(), BodyFault> {
     if let Some((name, _)) = finite.into_iter().find(|(_, finite)| !finite) {
         return Err(BodyFault::NonFinite(name));
     }
-    if body.mass.is_none() && body.density <= 0.0 {
+    // Bodies that nothing can push need no mass.
+    let is_bad = body.density < 0.0 || body.density == 0.0 && body.kind == RigidBody::Dynamic;
+    if body.mass.is_none() && is_bad {
         return Err(BodyFault::Mass(body.density));
     }
     Ok(())
@@ -372,15 +377,24 @@ pub(super) fn unit(rotation: Quat) -> Quat {
     }
 }
 
-/// Validates rotation and scale of a mesh of this radius. Returns the unit rotation and the scaled radius.
-pub(crate) fn check_pose(mesh_radius: f32, rotation: DQuat, scale: Vec3) -> Result<(DQuat, f32), BodyFault> {
+/// Validates rotation and scale of a mesh. Returns the unit rotation, the scale and the scaled radius.
+///
+/// Along an axis on which all of the mesh is at 0 any scale gives the same shape, so a scale of 0 counts as the largest of the others.
+pub(crate) fn check_pose(mesh: &CollisionMesh, rotation: DQuat, scale: Vec3) -> Result<(DQuat, Vec3, f32), BodyFault> {
     check_rotation(rotation)?;
-    let radius = mesh_radius * scale.abs().max_element();
-    let thinnest = mesh_radius * scale.abs().min_element();
+    let largest = scale.abs().max_element();
+    let flat = if scale.cmpeq(Vec3::ZERO).any() {
+        mesh.flat_axes()
+    } else {
+        BVec3::FALSE
+    };
+    let used = Vec3::select(flat & scale.cmpeq(Vec3::ZERO), Vec3::splat(largest), scale);
+    let radius = mesh.radius * largest;
+    let thinnest = mesh.radius * used.abs().min_element();
     if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
         return Err(BodyFault::ZeroScale(scale));
     }
-    Ok((rotation.normalize(), radius))
+    Ok((rotation.normalize(), used, radius))
 }
 
 fn check_rotation(rotation: DQuat) -> Result<(), BodyFault> {

@@ -33,13 +33,13 @@ pub enum BodyFault {
     /// Its rotation is the zero quaternion.
     #[error("its rotation is the zero quaternion: use Quat::IDENTITY")]
     ZeroRotation,
-    /// Its scale makes it flat or smaller than [`MIN_RADIUS`].
+    /// Its scale makes it flat or smaller than [`MIN_RADIUS`]. A zero along an axis on which all of the mesh is at 0 is no fault.
     #[error("its scale {0} makes it flat or vanishingly small: no component may be (nearly) zero")]
     ZeroScale(Vec3),
     /// It is larger, or farther from the origin, than [`MAX_COORDINATE`].
     #[error("it reaches beyond {MAX_COORDINATE:e} m from the origin: move it closer or scale it down")]
     TooFar,
-    /// Its mass is not positive, or so small that its inverse is not finite.
+    /// Its mass or density is negative; or it is dynamic, and its mass is zero or so small that its inverse is not finite.
     #[error("its mass {0} is not positive or vanishingly small: set a mass of at least 1e-38, or a positive density")]
     Mass(f32),
     /// Its inertia is not finite, not symmetric or not positive definite.

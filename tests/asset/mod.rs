@@ -8,6 +8,7 @@ mod import;
 mod lenient;
 mod off;
 mod origin;
+mod other_kinds;
 mod other_readers;
 mod outside;
 mod parts;

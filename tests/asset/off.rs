@@ -66,6 +66,15 @@ fn polygons_are_fans() {
 }
 
 #[test]
+fn the_corners_of_a_face_may_go_on_over_further_lines() {
+    let text = "OFF\n5 3 6\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 2 0\n4 0 1\n2 3\n3\n3\n2 4 255 0 0\n3 0 1 2\n";
+    assert_eq!(
+        off(text).unwrap().triangles(),
+        [[0, 1, 2], [0, 2, 3], [3, 2, 4], [0, 1, 2]]
+    );
+}
+
+#[test]
 fn errors_say_what_and_where() {
     for (text, wanted) in [
         ("", "a count is missing"),
@@ -93,6 +102,11 @@ fn errors_say_what_and_where() {
         (
             "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2.5\n",
             "line 6: \"2.5\" is not an integer",
+        ),
+        // A face that lacks a corner takes it from the next one, and then there are too few.
+        (
+            "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n3 0 1 2\n",
+            "2 faces, but there are 1",
         ),
         ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -2\n", "names vertex -2"),
         ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "names vertex 3"),

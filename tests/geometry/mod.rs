@@ -1,5 +1,6 @@
 //! Meshes and their mathematics.
 
+mod doubled;
 mod mass;
 mod mesh;
 mod openings;

@@ -207,6 +207,58 @@ fn t_junctions_are_told_and_change_nothing() {
     }
 }
 
+/// A cube whose upper face is split in the middle of none of its sides, while its neighbours are, off by this much: a crack at each
+/// of so many of the sides. Neighbours share a corner.
+fn cracked_cube(cracks: usize, off: f32) -> TriMesh {
+    let mut vertices: Vec<Vec3> = (0..8)
+        .map(|i| {
+            Vec3::new(
+                [-0.5, 0.5, 0.5, -0.5][i % 4],
+                [-0.5, -0.5, 0.5, 0.5][i % 4],
+                i as f32 / 4.0,
+            )
+        })
+        .collect();
+    vertices.iter_mut().for_each(|v| v.z = v.z.floor() - 0.5);
+    let mut faces = vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];
+    for side in 0..4u32 {
+        let (a, b) = (side, (side + 1) % 4);
+        if (side as usize) < cracks {
+            let middle = 0.5 * (vertices[a as usize + 4] + vertices[b as usize + 4]);
+            vertices.push(middle + (middle.with_z(0.0)).normalize() * off);
+            let middle = vertices.len() as u32 - 1;
+            faces.extend([[a, middle, a + 4], [a, b, middle], [b, b + 4, middle]]);
+        } else {
+            faces.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
+        }
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn cracks_that_meet_at_a_corner_are_as_small_as_one() {
+    for cracks in 1..=4 {
+        // More than corners are welded over, so that the middles are no T-junctions.
+        for off in [2e-6, -2e-6, 1e-5, 1e-4] {
+            let baked = CollisionMesh::new(&cracked_cube(cracks, off));
+            let defects = baked.mesh.defects();
+            assert_eq!(baked.mesh.orientation(), Orientation::Open);
+            assert_eq!(defects.count(DefectKind::Opening), cracks, "{off}");
+            assert!(defects.largest_opening < 1e-4, "{cracks}: {}", defects.largest_opening);
+            assert!(
+                baked.mesh.is_solid() && baked.one_sided == OneSided::All,
+                "{cracks}, {off}"
+            );
+            assert!(
+                (baked.mass.volume - 1.0).abs() < 1e-6 + 2.0 * off.abs(),
+                "{:?}",
+                baked.mass
+            );
+            assert!(contains(&baked, Vec3::new(0.1, 0.2, 0.49)) && !contains(&baked, Vec3::new(0.1, 0.2, 0.51)));
+        }
+    }
+}
+
 /// A box without a lid holds things; so do a glass and a pipe. None of their faces is one-sided.
 #[test]
 fn vessels_stay_open() {

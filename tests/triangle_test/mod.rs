@@ -1,5 +1,6 @@
 //! Intersecting triangles, against brute force in exact arithmetic.
 
+mod apart;
 mod data;
 mod exact;
 mod fine;

@@ -26,7 +26,7 @@ use super::text::without_byte_order_mark;
 use crate::geometry::TriMesh;
 use accessor::Data;
 use container::BufferSource;
-use schema::Root;
+use schema::{OtherRoot, Root};
 use std::ops::Range;
 
 /// A glTF document, and the sources of its buffers.
@@ -53,14 +53,23 @@ impl Document {
                 .push("the JSON of the file is padded with zeros instead of spaces; it is read all the same".into());
         }
         // serde_json rejects documents nested deeper than 128 levels.
-        let root: Root =
-            serde_json::from_slice(without_byte_order_mark(text)).map_err(|error| GltfError::Document {
+        let text = without_byte_order_mark(text);
+        let root: Root = serde_json::from_slice(text).map_err(|error| {
+            // In glTF 1.0 other things have other types.
+            let version = serde_json::from_slice(text)
+                .ok()
+                .and_then(|OtherRoot { asset }| asset.version());
+            if let Some(version) = version.filter(|version| !is_supported(version)) {
+                return GltfError::Version(version.chars().take(20).collect());
+            }
+            GltfError::Document {
                 line: error.line(),
                 column: error.column(),
                 reason: reason(&error),
-            })?;
+            }
+        })?;
         let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
-        if version != "2" && !version.starts_with("2.") {
+        if !is_supported(version) {
             return Err(GltfError::Version(version.chars().take(20).collect()));
         }
         if let Some(extension) = root.extensions_required.iter().find(|e| !is_harmless(e)) {
@@ -114,6 +123,10 @@ impl Document {
             Some(part) => Err(ImportError::wrong_part(part, "a glTF", "a mesh or a node")),
         }
     }
+}
+
+fn is_supported(version: &str) -> bool {
+    version == "2" || version.starts_with("2.")
 }
 
 /// A text without the zeros at its end.

@@ -33,6 +33,28 @@ pub(super) struct Asset {
     pub(super) min_version: Option<String>,
 }
 
+/// The document of a file of another version.
+#[derive(Deserialize)]
+pub(super) struct OtherRoot {
+    pub(super) asset: OtherAsset,
+}
+
+#[derive(Deserialize)]
+pub(super) struct OtherAsset {
+    version: serde_json::Value,
+}
+
+impl OtherAsset {
+    /// The version, which some files have as a number.
+    pub(super) fn version(&self) -> Option<String> {
+        match &self.version {
+            serde_json::Value::String(version) => Some(version.clone()),
+            serde_json::Value::Number(version) => Some(version.to_string()),
+            _ => None,
+        }
+    }
+}
+
 #[derive(Deserialize)]
 pub(super) struct Scene {
     #[serde(default)]

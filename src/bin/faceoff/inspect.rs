@@ -117,7 +117,7 @@ impl Report {
             components: mesh.component_vertices().len(),
             defects: defect_reports(&defects),
             largest_opening: defects.largest_opening,
-            nearly_closed: !mesh.caps().is_empty(),
+            nearly_closed: !mesh.is_closed() && !mesh.caps().is_empty(),
             solid: mesh.is_solid(),
             one_sided_triangles: (0..mesh.triangles().len()).filter(|&t| baked.one_sided.is(t)).count(),
             volume: mass.volume,

@@ -271,7 +271,7 @@ impl State {
             faces: mesh.all_faces().len(),
             closed: mesh.is_closed(),
             orientation: mesh.orientation(),
-            nearly_closed: !mesh.caps().is_empty(),
+            nearly_closed: !mesh.is_closed() && !mesh.caps().is_empty(),
             volume: mass.filter(|mass| mass.basis != MassBasis::Box).map(|mass| mass.volume),
             defects: counts.filter(|defects| defects.count > 0).collect(),
         }

@@ -75,6 +75,7 @@ impl MassProperties {
     /// * If there are no such places, or if they reach out of the box through more than a tenth of its sides, as those below
     ///   some terrains do, it gets the mass of a shell along its faces. `shell` is its thickness, relative to the diagonal of
     ///   the bounding box.
+    /// * If faces are there twice, and the mesh is closed without them, they count once; this is exact. See [`TriMesh::caps`].
     /// * A closed mesh that encloses almost no volume gets the mass of its solid bounding box. Each edge of that box counts as
     ///   at least 1 % of the longest.
     /// * If the mesh is so large or small that values do not fit `f32`, they are clamped.
@@ -86,8 +87,8 @@ impl MassProperties {
         let aabb = mesh.aabb();
         let edges = solid_box_edges(aabb);
         let (solid, basis, error) = match mesh.orientation() {
-            Orientation::Outward => (integrate(mesh, &[], aabb), MassBasis::Solid, 0.0),
-            Orientation::Inward => (integrate(mesh, &[], aabb), MassBasis::Room, 0.0),
+            Orientation::Outward => (integrate(mesh, mesh.caps(), aabb), MassBasis::Solid, 0.0),
+            Orientation::Inward => (integrate(mesh, mesh.caps(), aabb), MassBasis::Room, 0.0),
             Orientation::Open | Orientation::Mixed => match capped(mesh, aabb) {
                 Some((solid, error)) => (Some(solid), MassBasis::Capped, error),
                 None => {

@@ -1,11 +1,11 @@
 //! The boundary of an open mesh: its openings, and what closes them.
 
+use super::loops::loops;
 use super::{Count, Faces, Topology};
 use crate::geometry::Aabb;
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::cluster::compact_order;
 use crate::geometry::edges::Edges;
-use crate::geometry::union_find::UnionFind;
 use crate::geometry::weld::size;
 use glam::{DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
@@ -48,10 +48,10 @@ pub(super) struct Boundary {
     disagrees: bool,
 }
 
-/// Boundary edges that hang together and are no T-junctions.
+/// A loop of boundary edges that are no T-junctions.
 #[derive(Clone, Copy)]
 pub(super) struct Opening {
-    /// One of its vertices.
+    /// The first of its vertices.
     pub vertex: u32,
     /// The area of the cone that closes it, squared mesh units.
     pub area: f64,
@@ -59,10 +59,10 @@ pub(super) struct Opening {
 
 /// Directed edges, each with the number of caps that have to run backward along it. What runs both ways cancels.
 #[derive(Default)]
-struct Chain(BTreeMap<[u32; 2], i32>);
+pub(super) struct Chain(BTreeMap<[u32; 2], i32>);
 
 impl Chain {
-    fn add(&mut self, [from, to]: [u32; 2], times: i32) {
+    pub fn add(&mut self, [from, to]: [u32; 2], times: i32) {
         let (edge, times) = if from < to {
             ([from, to], times)
         } else {
@@ -71,7 +71,8 @@ impl Chain {
         *self.0.entry(edge).or_default() += times;
     }
 
-    fn edges(&self) -> impl Iterator<Item = ([u32; 2], i32)> + '_ {
+    /// The edges that do not cancel, and how often each is there.
+    pub fn edges(&self) -> impl Iterator<Item = ([u32; 2], i32)> + '_ {
         let open = self.0.iter().filter(|(_, times)| **times != 0);
         open.map(|(&[u, v], &times)| if times > 0 { ([u, v], times) } else { ([v, u], -times) })
     }
@@ -98,7 +99,8 @@ impl Faces<'_> {
     ///
     /// The faces' own boundary is a sum of directed edges in which as many end at each vertex as begin. It is closed in two
     /// steps. Where vertices of the boundary lie on one of its edges, slivers split the edge there: then the two sides of a
-    /// T-junction cancel. What is left is an opening, closed by a cone from the mean of its vertices.
+    /// T-junction cancel. What is left is taken apart into loops. Each is an opening, closed by a cone from the mean of its
+    /// vertices.
     pub(super) fn boundary(&self, edges: &Edges, counts: &[Count], welded: &[u32], tolerance: f32) -> Boundary {
         let mut chain = Vec::new();
         let mut disagrees = false;
@@ -147,10 +149,17 @@ impl Faces<'_> {
         }
         let half_ball = |area: f64| 2.0 / 3.0 * PI * (area / PI).powf(1.5);
         let areas = || boundary.openings.iter().map(|opening| opening.area);
+        let caps = || {
+            boundary
+                .caps
+                .iter()
+                .copied()
+                .chain(self.reversed_twins(&topology.welded))
+        };
         Some(Closure {
             share: areas().sum::<f64>() / self.area(),
             uncertain_volume: areas().map(half_ball).sum(),
-            caps: boundary.caps,
+            caps: caps().collect(),
         })
     }
 }
@@ -222,36 +231,24 @@ fn split_at_vertices(edges: &[([u32; 2], i32)], place: &impl Fn(u32) -> Vec3, to
     split
 }
 
-/// Closes each part of the boundary that hangs together with a cone.
+/// Closes each loop of the boundary with a cone from the mean of its vertices.
 fn close(open: &Chain, place: &impl Fn(u32) -> Vec3, caps: &mut Vec<[Vec3; 3]>) -> Vec<Opening> {
-    let mut vertices: Vec<u32> = open.edges().flat_map(|(edge, _)| edge).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let number = |v: u32| vertices.partition_point(|&other| other < v) as u32;
-    let mut joined = UnionFind::new(vertices.len());
-    for ([u, v], _) in open.edges() {
-        joined.join(number(u), number(v));
+    let mut openings = Vec::new();
+    for edges in loops(open, place) {
+        let sum: DVec3 = edges.iter().map(|[u, _]| place(*u).as_dvec3()).sum();
+        let middle = (sum / edges.len() as f64).as_vec3();
+        let mut area = 0.0;
+        for &[u, v] in &edges {
+            let cap = [place(v), place(u), middle];
+            let [a, b, c] = cap.map(|p| p.as_dvec3());
+            area += (b - a).cross(c - a).length() * 0.5;
+            caps.push(cap);
+        }
+        let vertex = edges.iter().map(|[u, _]| *u).min().unwrap_or(0);
+        openings.push(Opening { vertex, area });
     }
-    // For each root the sum of the vertices' places, and their number.
-    let mut sums: BTreeMap<u32, (DVec3, f64)> = BTreeMap::new();
-    for (i, &vertex) in (0..).zip(&vertices) {
-        let sum = sums.entry(joined.root(i)).or_default();
-        *sum = (sum.0 + place(vertex).as_dvec3(), sum.1 + 1.0);
-    }
-    let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
-    for ([u, v], times) in open.edges() {
-        let root = joined.root(number(u));
-        let (sum, count) = sums[&root];
-        let cap = [place(v), place(u), (sum / count).as_vec3()];
-        let [a, b, c] = cap.map(|p| p.as_dvec3());
-        *areas.entry(root).or_default() += (b - a).cross(c - a).length() * 0.5;
-        add_cap(caps, cap, times);
-    }
-    let opening = |(root, area): (u32, f64)| Opening {
-        vertex: vertices[root as usize],
-        area,
-    };
-    areas.into_iter().map(opening).collect()
+    openings.sort_by_key(|opening| opening.vertex);
+    openings
 }
 
 /// Adds a triangle `times` times, or its reverse if `times` is negative.

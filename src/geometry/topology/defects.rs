@@ -4,11 +4,9 @@ use super::boundary::Boundary;
 use super::{Faces, Topology};
 use crate::geometry::Aabb;
 use crate::geometry::box_tree::BoxTree;
-use crate::geometry::edges::is_collapsed;
 use crate::geometry::weld::size;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 
 /// Two boundary edges are the sides of a crack if their ends are no farther apart than this, relative to the diagonal of the
 /// mesh's bounding box.
@@ -127,7 +125,9 @@ impl Faces<'_> {
             return defects;
         }
         let welded = &topology.welded;
-        self.add_duplicates(welded, &mut defects);
+        for [t, _] in self.doubled(welded) {
+            defects.add(DefectKind::Duplicate, self.placed(t, welded), Some(self.face_ids[t]));
+        }
         let place = |v: u32| self.vertices[welded[v as usize] as usize];
         let (edges, counts) = self.edges(welded);
         for (ends, count) in edges.ends.iter().zip(&counts) {
@@ -137,8 +137,12 @@ impl Faces<'_> {
             } else if count.balance != 0 {
                 defects.add(DefectKind::Disagreement, ends, None);
             }
+        }
+        // All faces crowd, also those that do not count.
+        let (all_edges, all_counts) = Faces { twins: &[], ..*self }.edges(welded);
+        for (ends, count) in all_edges.ends.iter().zip(&all_counts) {
             if count.faces > 2 {
-                defects.add(DefectKind::CrowdedEdge, ends, None);
+                defects.add(DefectKind::CrowdedEdge, ends.map(place), None);
             }
         }
         let boundary = self.boundary(&edges, &counts, welded, topology.tolerance);
@@ -156,20 +160,6 @@ impl Faces<'_> {
             defects.add(DefectKind::SolidInSolid, [place(vertex)], None);
         }
         defects
-    }
-
-    fn add_duplicates(&self, welded: &[u32], defects: &mut Defects) {
-        // The first face with these corners, as it is numbered here and in the input.
-        let mut order: Vec<usize> = (0..self.triangles.len()).collect();
-        order.sort_unstable_by_key(|&t| self.face_ids[t]);
-        let mut known: HashMap<[u32; 3], usize> = HashMap::with_capacity(order.len());
-        for t in order {
-            let mut corners = self.triangles[t].map(|v| welded[v as usize]);
-            corners.sort_unstable();
-            if !is_collapsed(corners) && *known.entry(corners).or_insert(t) != t {
-                defects.add(DefectKind::Duplicate, self.placed(t, welded), Some(self.face_ids[t]));
-            }
-        }
     }
 
     /// The edges of openings that have another one beside them.

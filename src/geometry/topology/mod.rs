@@ -2,16 +2,19 @@
 
 mod boundary;
 mod defects;
+mod doubled;
+mod loops;
 mod shells;
 
 pub(super) use boundary::Closure;
 pub use boundary::MAX_OPENING;
 pub use defects::{Defect, DefectKind, Defects};
 
-use super::edges::{Edges, is_collapsed};
+use super::edges::{Edges, NO_EDGE, is_collapsed};
 use super::union_find::UnionFind;
 use super::weld::{least_distance, size, weld};
 use crate::geometry::Aabb;
+use crate::geometry::cluster::compact_order;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -40,12 +43,16 @@ pub(super) struct Topology {
     pub component_vertices: Vec<u32>,
     /// Whether each edge has two faces that agree.
     is_manifold: bool,
-    /// What closes a nearly closed mesh; empty for other meshes.
+    /// Whether an edge has more than two faces that count.
+    is_crowded: bool,
+    /// What closes a nearly closed mesh, and the reverse of each face that does not count; empty for other meshes.
     pub caps: Vec<[Vec3; 3]>,
     /// The vertices of caps that close its T-junctions.
     pub slivers: Vec<[u32; 3]>,
     /// The orientation of the mesh with its caps.
     capped: Option<Orientation>,
+    /// Faces that count once with another one; see [`Faces::twins`].
+    pub twins: Vec<[u32; 2]>,
 }
 
 /// The boundary of an open mesh.
@@ -69,12 +76,15 @@ pub(super) struct Faces<'a> {
     /// Faces of zero area. They count as long as their corners differ: a sliver that fills a T-junction keeps a mesh
     /// closed.
     pub dropped: &'a [[u32; 3]],
+    /// Faces that do not count because another one has the same corners, ascending, and those others; by their indices in the
+    /// input.
+    pub twins: &'a [[u32; 2]],
 }
 
 impl Topology {
     pub fn of(faces: &Faces, tolerance: f32) -> Self {
         let welded = weld(faces.vertices, faces.aabb(), tolerance);
-        faces.rewound(Self {
+        let topology = faces.rewound(Self {
             tolerance,
             orientation: Orientation::Open,
             is_manifold: false,
@@ -83,12 +93,27 @@ impl Topology {
             caps: Vec::new(),
             slivers: Vec::new(),
             capped: None,
-        })
+            is_crowded: false,
+            twins: Vec::new(),
+        });
+        if !topology.is_crowded {
+            return topology;
+        }
+        let twins = faces.find_twins(&topology);
+        if twins.is_empty() {
+            return topology;
+        }
+        let counted = Faces {
+            twins: &twins,
+            ..*faces
+        };
+        let topology = counted.rewound(topology);
+        Self { twins, ..topology }
     }
 
     /// Whether it is one surface without a boundary whose faces agree. Then none is doubled or lies inside another.
     pub fn is_one_surface(&self) -> bool {
-        self.is_manifold && self.component_vertices.len() == 1
+        self.is_manifold && self.twins.is_empty() && self.component_vertices.len() == 1
     }
 
     /// The orientation of a nearly closed mesh with its caps; `None` for other meshes.
@@ -105,7 +130,20 @@ struct Count {
     balance: i32,
 }
 
+/// Triangles that hang together across edges of two faces that agree.
+pub(in crate::geometry) struct Patches {
+    /// For each triangle, the number of its patch.
+    pub of_triangles: Vec<u32>,
+    /// For each such number, whether all edges of the patch have two faces that agree.
+    pub is_closed: Vec<bool>,
+}
+
 impl Count {
+    fn add(&mut self, forward: bool) {
+        self.faces += 1;
+        self.balance += if forward { 1 } else { -1 };
+    }
+
     fn is_boundary(self) -> bool {
         self.faces % 2 == 1
     }
@@ -116,7 +154,7 @@ impl Faces<'_> {
     pub fn rewound(&self, topology: Topology) -> Topology {
         let welded = &topology.welded;
         let (edges, counts) = self.edges(welded);
-        let (orientation, (caps, slivers)) = if counts.iter().any(|count| count.is_boundary()) {
+        let (orientation, (mut caps, slivers)) = if counts.iter().any(|count| count.is_boundary()) {
             let boundary = self.boundary(&edges, &counts, welded, topology.tolerance);
             (Orientation::Open, boundary.caps_if_nearly_closed(self.area()))
         } else if counts.iter().any(|count| count.balance != 0) {
@@ -124,10 +162,21 @@ impl Faces<'_> {
         } else {
             (self.outward_or_inward(welded, &[]), Default::default())
         };
+        let capped = (!caps.is_empty()).then(|| self.outward_or_inward(welded, &caps));
+        let is_closed = matches!(orientation, Orientation::Outward | Orientation::Inward);
+        if !self.twins.is_empty() && (is_closed || capped.is_some()) {
+            caps.extend(self.reversed_twins(welded));
+            let centroids: Vec<Vec3> = caps.iter().map(|cap| cap.iter().map(|p| *p / 3.0).sum()).collect();
+            caps = compact_order(&centroids)
+                .into_iter()
+                .map(|i| caps[i as usize])
+                .collect();
+        }
         Topology {
             orientation,
             is_manifold: counts.iter().all(|count| count.faces == 2 && count.balance == 0),
-            capped: (!caps.is_empty()).then(|| self.outward_or_inward(welded, &caps)),
+            is_crowded: counts.iter().any(|count| count.faces > 2),
+            capped,
             caps,
             slivers,
             ..topology
@@ -137,8 +186,8 @@ impl Faces<'_> {
     /// The area of all triangles.
     fn area(&self) -> f64 {
         let at = |v: u32| self.vertices[v as usize].as_dvec3();
-        let areas = (self.triangles.iter()).map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).length() * 0.5);
-        areas.sum()
+        let area = |&[a, b, c]: &[u32; 3]| (at(b) - at(a)).cross(at(c) - at(a)).length() * 0.5;
+        self.counted().map(|t| area(&self.triangles[t])).sum()
     }
 
     fn aabb(&self) -> Aabb {
@@ -146,10 +195,16 @@ impl Faces<'_> {
         Aabb::around(corners.map(|&v| self.vertices[v as usize]))
     }
 
-    /// All faces after welding: the triangles, then the dropped ones.
+    /// All faces after welding: the triangles, then the dropped ones. Those that do not count are collapsed.
     fn welded_faces<'a>(&'a self, welded: &'a [u32]) -> impl Iterator<Item = [u32; 3]> + 'a {
-        let all = self.triangles.iter().chain(self.dropped);
-        all.map(|face| face.map(|v| welded[v as usize]))
+        let counts = (0..self.triangles.len())
+            .map(|t| self.counts(t))
+            .chain(std::iter::repeat(true));
+        let all = self.triangles.iter().chain(self.dropped).zip(counts);
+        all.map(|(face, counts)| {
+            let face = face.map(|v| welded[v as usize]);
+            if counts { face } else { [face[0]; 3] }
+        })
     }
 
     /// The edges of all faces that do not collapse.
@@ -161,18 +216,51 @@ impl Faces<'_> {
         let mut counts = vec![Count::default(); edges.ends.len()];
         for (face, numbers) in faces.iter().zip(&edges.of_triangles) {
             for (&edge, from) in numbers.iter().zip(face) {
-                let count = &mut counts[edge as usize];
-                count.faces += 1;
-                count.balance += if edges.ends[edge as usize][0] == *from { 1 } else { -1 };
+                counts[edge as usize].add(edges.ends[edge as usize][0] == *from);
             }
         }
         (edges, counts)
     }
 
+    /// The patches of the surface: triangles that hang together across edges of two faces that agree.
+    pub fn patches(&self, welded: &[u32]) -> Patches {
+        let faces: Vec<[u32; 3]> = self.welded_faces(welded).collect();
+        let edges = Edges::of(&faces, welded.len());
+        let whole = || (0u32..).zip(&faces).filter(|(_, face)| !is_collapsed(**face));
+        let mut counts = vec![Count::default(); edges.ends.len()];
+        for (own, face) in whole() {
+            for (&edge, from) in edges.of_triangles[own as usize].iter().zip(face) {
+                counts[edge as usize].add(edges.ends[edge as usize][0] == *from);
+            }
+        }
+        let agree = |edge: u32| counts[edge as usize].faces == 2 && counts[edge as usize].balance == 0;
+        let mut first = vec![NO_EDGE; edges.ends.len()];
+        let mut joined = UnionFind::new(faces.len());
+        for (own, _) in whole() {
+            for edge in edges.of_triangles[own as usize].into_iter().filter(|&edge| agree(edge)) {
+                match first[edge as usize] {
+                    NO_EDGE => first[edge as usize] = own,
+                    other => joined.join(own, other),
+                }
+            }
+        }
+        let mut is_closed = vec![true; faces.len()];
+        for own in 0..faces.len() as u32 {
+            let edges = edges.of_triangles[own as usize];
+            let has_border = is_collapsed(faces[own as usize]) || edges.into_iter().any(|edge| !agree(edge));
+            is_closed[joined.root(own) as usize] &= !has_border;
+        }
+        let of_triangles = (0..self.triangles.len() as u32).map(|t| joined.root(t)).collect();
+        Patches {
+            of_triangles,
+            is_closed,
+        }
+    }
+
     /// The orientation of a closed, consistently wound mesh, which some triangles of `caps` may close.
     fn outward_or_inward(&self, welded: &[u32], caps: &[[Vec3; 3]]) -> Orientation {
         let place = |v: u32| self.vertices[welded[v as usize] as usize];
-        let triangles = self.triangles.iter().map(|t| t.map(place));
+        let triangles = self.counted().map(|t| self.triangles[t].map(place));
         // Relative to the first corner, so that a mesh far from the origin loses no precision.
         let origin = place(self.triangles[0][0]).as_dvec3();
         if volume(triangles.chain(caps.iter().copied()), origin) < 0.0 {

@@ -47,6 +47,7 @@ impl Faces<'_> {
         let mut shells = self.shells(welded);
         shells.find_parents(self, welded);
         shells.turn_outward();
+        self.turn_twins(welded, &mut shells.turn);
         shells.turn
     }
 
@@ -188,50 +189,67 @@ impl Shell {
 
 impl Shells {
     /// Finds for each closed shell the one directly around it: the smallest that contains most of a few of its points, each by
-    /// the number of times that a ray from there crosses the other shell.
-    fn find_parents(&mut self, faces: &Faces, welded: &[u32]) {
+    /// the number of times that a ray from there crosses the other shell. Returns the number of shells that were asked whether a
+    /// point is inside.
+    fn find_parents(&mut self, faces: &Faces, welded: &[u32]) -> usize {
         let shells = &mut self.shells;
-        if shells.iter().filter(|shell| shell.encloses()).count() < 2 {
-            return;
+        let closed: Vec<usize> = (0..shells.len()).filter(|&shell| shells[shell].encloses()).collect();
+        if closed.len() < 2 {
+            return 0;
         }
         let count = faces.triangles.len();
-        let mut shell_of = vec![usize::MAX; count];
-        for (i, shell) in shells.iter().enumerate().filter(|(_, shell)| shell.encloses()) {
-            for &face in shell.faces.iter().filter(|&&face| (face as usize) < count) {
-                shell_of[face as usize] = i;
-            }
-        }
-        let middle = |t| faces.placed(t, welded).iter().map(|p| *p / 3.0).sum();
-        let middles: Vec<Vec3> = (0..count).map(middle).collect();
-        let tree = BoxTree::of_scattered(&middles, |t| Aabb::around(faces.placed(t, welded)));
-        for own in 0..shells.len() {
-            if !shells[own].encloses() {
-                continue;
-            }
-            let triangles: Vec<u32> = (shells[own].faces.iter().copied())
-                .filter(|&face| (face as usize) < count)
-                .collect();
+        // Those of the faces that have an area.
+        let triangles_of = |shell: &Shell| -> Vec<usize> {
+            let own = shell.faces.iter().map(|&face| face as usize);
+            own.filter(|&face| face < count).collect()
+        };
+        let around = |shell: usize| {
+            let own = triangles_of(&shells[shell]);
+            Aabb::around(own.iter().flat_map(|&t| faces.placed(t, welded)))
+        };
+        let boxes: Vec<Aabb> = closed.iter().map(|&shell| around(shell)).collect();
+        let middles: Vec<Vec3> = boxes.iter().map(|b| b.center()).collect();
+        let tree = BoxTree::of_scattered(&middles, |i| boxes[i]);
+        // The surfaces of shells around whose boxes there are others, as far as they are asked.
+        let mut surfaces: BTreeMap<usize, Surface> = BTreeMap::new();
+        let mut asked = 0;
+        for &own in &closed {
+            let triangles = triangles_of(&shells[own]);
             let step = triangles.len().div_ceil(SAMPLES);
-            let samples: Vec<u32> = triangles.into_iter().step_by(step).collect();
+            let samples: Vec<usize> = triangles.into_iter().step_by(step).collect();
+            let size = |shell: usize| shells[shell].volume.abs();
             let mut votes: BTreeMap<usize, usize> = BTreeMap::new();
             for &t in &samples {
-                let p = faces
-                    .placed(t as usize, welded)
-                    .map(|v| v.as_dvec3() / 3.0)
-                    .iter()
-                    .sum();
-                for shell in shells_around(&tree, faces, welded, &shell_of, p) {
-                    *votes.entry(shell).or_default() += 1;
+                let p: DVec3 = faces.placed(t, welded).map(|v| v.as_dvec3() / 3.0).iter().sum();
+                let contains = |b: &Aabb| p.cmpge(b.min.as_dvec3()).all() && p.cmple(b.max.as_dvec3()).all();
+                let mut candidates: Vec<usize> = Vec::new();
+                tree.visit(
+                    &mut candidates,
+                    |_, b| contains(b),
+                    |candidates, i| {
+                        // Surfaces that cross may each contain points of the other; only the larger can be around the smaller.
+                        if contains(&boxes[i]) && size(closed[i]) > size(own) {
+                            candidates.push(closed[i]);
+                        }
+                    },
+                );
+                for other in candidates {
+                    let surface = surfaces
+                        .entry(other)
+                        .or_insert_with(|| Surface::of(triangles_of(&shells[other]), faces, welded));
+                    asked += 1;
+                    if surface.contains(p, faces, welded) {
+                        *votes.entry(other).or_default() += 1;
+                    }
                 }
             }
-            let around = votes
-                .into_iter()
-                .filter(|&(other, votes)| other != own && 2 * votes > samples.len());
-            // Surfaces that cross may each contain points of the other; only the larger can be around the smaller.
-            let size = |shell: usize| shells[shell].volume.abs();
-            let larger = around.map(|(other, _)| other).filter(|&other| size(other) > size(own));
-            shells[own].parent = larger.min_by(|&a, &b| size(a).total_cmp(&size(b)));
+            let around = votes.into_iter().filter(|(_, votes)| 2 * votes > samples.len());
+            let parent = around
+                .map(|(other, _)| other)
+                .min_by(|&a, &b| size(a).total_cmp(&size(b)));
+            shells[own].parent = parent;
         }
+        asked
     }
 
     /// Turns solids outward, with all that lies inside them, unless the mesh is a room.
@@ -280,22 +298,33 @@ fn root(shells: &[Shell], mut own: usize) -> usize {
     own
 }
 
-/// The closed shells that contain a point: those that the ray from there along +z crosses an odd number of times.
-fn shells_around(tree: &BoxTree, faces: &Faces, welded: &[u32], shell_of: &[usize], p: DVec3) -> Vec<usize> {
-    let met = |_: &_, b: &Aabb| {
-        let (low, high) = (b.min.as_dvec3(), b.max.as_dvec3());
-        low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && p.z <= high.z
-    };
-    let mut crossed: Vec<usize> = Vec::new();
-    tree.visit(&mut crossed, met, |crossed, t| {
-        let shell = shell_of[t];
-        if shell != usize::MAX && crossing(&faces.placed(t, welded).map(|v| v.as_dvec3() - p)).is_some() {
-            crossed.push(shell);
-        }
-    });
-    crossed.sort_unstable();
-    let runs = crossed.chunk_by(|a, b| a == b);
-    runs.filter(|run| run.len() % 2 == 1).map(|run| run[0]).collect()
+/// The triangles of a closed shell.
+struct Surface {
+    triangles: Vec<usize>,
+    tree: BoxTree,
+}
+
+impl Surface {
+    fn of(triangles: Vec<usize>, faces: &Faces, welded: &[u32]) -> Self {
+        let middle = |&t: &usize| faces.placed(t, welded).iter().map(|p| *p / 3.0).sum();
+        let middles: Vec<Vec3> = triangles.iter().map(middle).collect();
+        let tree = BoxTree::of_scattered(&middles, |i| Aabb::around(faces.placed(triangles[i], welded)));
+        Self { triangles, tree }
+    }
+
+    /// Whether the ray from a point along +z crosses it an odd number of times.
+    fn contains(&self, p: DVec3, faces: &Faces, welded: &[u32]) -> bool {
+        let met = |_: &_, b: &Aabb| {
+            let (low, high) = (b.min.as_dvec3(), b.max.as_dvec3());
+            low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && p.z <= high.z
+        };
+        let mut crossed = false;
+        self.tree.visit(&mut crossed, met, |crossed, i| {
+            let corners = faces.placed(self.triangles[i], welded).map(|v| v.as_dvec3() - p);
+            *crossed ^= crossing(&corners).is_some();
+        });
+        crossed
+    }
 }
 
 /// A face that uses an edge.
@@ -345,5 +374,53 @@ impl Uses {
     fn at(&self, edge: u32) -> &[Use] {
         debug_assert_ne!(edge, NO_EDGE);
         &self.uses[self.starts[edge as usize] as usize..self.starts[edge as usize + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{TriMesh, shapes};
+
+    /// How often a shell was asked whether it contains a point, and the shells with one around them.
+    fn asked(mesh: &TriMesh) -> (usize, usize) {
+        let welded: Vec<u32> = mesh.welded().to_vec();
+        let faces = Faces {
+            vertices: mesh.vertices(),
+            triangles: mesh.triangles(),
+            face_ids: mesh.face_ids(),
+            dropped: &[],
+            twins: &[],
+        };
+        let mut shells = faces.shells(&welded);
+        let asked = shells.find_parents(&faces, &welded);
+        (
+            asked,
+            shells.shells.iter().filter(|shell| shell.parent.is_some()).count(),
+        )
+    }
+
+    fn balls(places: impl Iterator<Item = (Vec3, f32)>) -> TriMesh {
+        let ball = shapes::ball(1.0, 1);
+        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+        for (at, size) in places {
+            let first = vertices.len() as u32;
+            vertices.extend(ball.vertices().iter().map(|p| *p * size + at));
+            faces.extend(ball.triangles().iter().map(|t| t.map(|v| v + first)));
+        }
+        TriMesh::new(vertices, faces).unwrap()
+    }
+
+    #[test]
+    fn shells_above_each_other_are_not_compared() {
+        let column = |count: usize| balls((0..count).map(|i| (Vec3::Z * 3.0 * i as f32, 1.0)));
+        assert_eq!(asked(&column(50)), (0, 0));
+    }
+
+    #[test]
+    fn each_shell_in_a_box_is_compared_with_that_alone() {
+        let small = (0..50).map(|i| (Vec3::Z * (i as f32 - 25.0), 0.3));
+        let mesh = balls(small.chain([(Vec3::ZERO, 100.0)]));
+        assert_eq!(asked(&mesh), (50 * SAMPLES, 50));
     }
 }

@@ -53,7 +53,7 @@ use std::f32::consts::FRAC_PI_4;
 /// fn walk(mut characters: Query<(&mut Character, &CharacterGround)>) {
 ///     for (mut character, ground) in &mut characters {
 ///         character.velocity.x = 4.0;
-///         if let Some(contact) = **ground {
+///         if let Some(contact) = ground.contact() {
 ///             println!("jumps from face {:?} of {}", contact.face, contact.collider);
 ///             character.velocity.y = 5.0;
 ///         }
@@ -136,6 +136,18 @@ impl Character {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CharacterGround(#[entities] pub(crate) Option<GroundContact>);
+
+impl CharacterGround {
+    /// The ground, if it stands on any.
+    pub fn contact(&self) -> Option<&GroundContact> {
+        self.0.as_ref()
+    }
+
+    /// Whether it stands.
+    pub fn is_grounded(&self) -> bool {
+        self.0.is_some()
+    }
+}
 
 /// Where a [`Character`] stands.
 #[derive(Clone, Copy, Debug, MapEntities, PartialEq, Reflect)]
