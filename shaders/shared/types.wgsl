@@ -538,7 +538,7 @@ const DROPPED: f32 = 3.0e38;
 struct ContactPoint {
     // From each body's centre of mass to the point on its surface.
     anchor_a: vec3<f32>,
-    // Signed distance from the first point to the second along the normal; negative if the bodies overlap.
+    // Signed distance of the meshes along the normal; negative if the bodies overlap.
     separation: f32,
     anchor_b: vec3<f32>,
     // Radius of curvature of each surface: 0 on a crease, `FLAT_RADIUS` on a flat surface.
@@ -551,7 +551,8 @@ struct ContactPoint {
     face_b: u32,
     // Rotation of the normal per distance that the surfaces slide along each other, radians per metre.
     normal_rotation: f32,
-    padding: u32,
+    // By how much the smooth surfaces are nearer to each other than the meshes. The solver keeps the smooth surfaces apart.
+    bulge: f32,
 }
 
 // The manifold of a pair. Half-spaces are numbered after the bodies.

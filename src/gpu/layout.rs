@@ -255,7 +255,7 @@ layout! {
         anchor_a: Vec3, separation: f32,
         anchor_b: Vec3, curvature_radius_a: f32,
         normal: Vec3, curvature_radius_b: f32,
-        face_a: u32, face_b: u32, normal_rotation: f32, padding: u32,
+        face_a: u32, face_b: u32, normal_rotation: f32, bulge: f32,
     }
     /// The manifold of a pair.
     ContactPair {

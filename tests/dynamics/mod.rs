@@ -15,6 +15,7 @@ mod motion;
 mod planes;
 mod pour;
 mod rest;
+mod rolling;
 mod same_bits;
 mod small_games;
 mod spin;

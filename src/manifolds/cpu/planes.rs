@@ -1,7 +1,7 @@
 //! Contact points of bodies on planes: a few vertices, the lowest and widely spread. A finely tessellated curved
 //! surface touches with its smooth surface.
 
-use super::smooth;
+use super::smooth::{AtVertex, RoundVertex};
 use crate::geometry::cluster::CLUSTER;
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::in_order::InOrder;
@@ -14,7 +14,7 @@ use crate::state::margins::{SAFETY, sway};
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig};
 use crate::types::body::RigidBody;
-use glam::Vec3;
+use glam::{DMat3, DVec3, Vec3};
 
 /// Maximum number of points of a body and a plane.
 pub const MAX_POINTS: usize = 8;
@@ -35,12 +35,16 @@ pub struct Scratch {
 
 /// A vertex that may reach the plane.
 struct LowVertex {
-    separation: f32,
+    /// That of the smooth surface for which it stands.
+    gap: f32,
+    /// How far that lies beyond the vertex.
+    bulge: f32,
     /// The squared distance to the nearest selected vertex.
     apart: f32,
-    /// Relative to the centre of mass, in the mesh's axes.
-    position: Vec3,
-    number: u32,
+    /// Relative to the centre of mass.
+    anchor: DVec3,
+    /// Of the surface in the direction in which it rolls; 0 at a corner.
+    curvature_radius: f32,
 }
 
 /// Bodies per task.
@@ -129,36 +133,64 @@ fn manifold(
         let lowest = dot(center, direction) - dot(half, size);
         bitmask(lowest.simd_lt(limit))
     };
-    let lanes = &meshes[bodies.mesh[body]].lanes;
+    let slot = &meshes[bodies.mesh[body]];
+    let lanes = &slot.lanes;
+    let placement = frame.rotation * DMat3::from_diagonal(frame.scale);
+    let spin = bodies.angular_velocity[body].as_dvec3();
     vertices.clear();
+    // The lowest of those that stand for a surface that touches elsewhere.
+    let mut lowest: Option<LowVertex> = None;
     visit(&lanes.vertex_levels, reaches, |group| {
         let (eight, held) = &lanes.vertices[group as usize];
         let heights = dot(load_points(simd, eight), direction);
         for lane in bits(*held) {
             let separation = heights[lane] + height;
-            if separation < margin {
-                vertices.push(LowVertex {
-                    separation,
-                    apart: f32::INFINITY,
-                    position: lane_of(eight, lane),
-                    number: group * CLUSTER as u32 + lane as u32,
-                });
+            if separation >= margin {
+                continue;
+            }
+            let number = group as usize * CLUSTER + lane;
+            let anchor = placement * lane_of(eight, lane).as_dvec3();
+            let mut vertex = LowVertex {
+                gap: separation,
+                bulge: 0.0,
+                apart: f32::INFINITY,
+                anchor,
+                curvature_radius: 0.0,
+            };
+            let features = &slot.features;
+            let own_normal = frame.rotation * (features.vertex_normals[number].as_dvec3() / frame.scale);
+            let round = RoundVertex::new(&features.roundness[number], &placement, own_normal, frame.scale);
+            match round.map_or(AtVertex::Corner, |round| round.contact(-normal, spin)) {
+                AtVertex::Corner => vertices.push(vertex),
+                AtVertex::Round(contact) => {
+                    vertex.bulge = contact.bulge as f32;
+                    vertex.gap -= vertex.bulge;
+                    vertex.anchor += contact.slide - normal * contact.bulge;
+                    vertex.curvature_radius = contact.radius as f32;
+                    vertices.push(vertex);
+                }
+                AtVertex::Elsewhere => {
+                    if lowest.as_ref().is_none_or(|lowest| separation < lowest.gap) {
+                        lowest = Some(vertex);
+                    }
+                }
             }
         }
         true
     });
-    let scale = frame.scale.as_vec3();
-    let chosen = choose(vertices, scale, 2.0 * LEVEL * radius);
+    if vertices.is_empty() {
+        vertices.extend(lowest);
+    }
+    let chosen = choose(vertices, 2.0 * LEVEL * radius);
     if chosen[0] == usize::MAX {
         return None;
     }
-    let features = &meshes[bodies.mesh[body]].features;
-    let size = f64::from(scale.abs().element_sum() / 3.0);
     let center = normal * plane.distance as f64;
     let none = ManifoldPoint {
         anchors: [Vec3::ZERO; 2],
         normal: -plane.normal,
         separation: 0.0,
+        bulge: 0.0,
         curvature_radii: [0.0, f32::INFINITY],
         normal_rotation: 0.0,
         faces: [NO_FACE; 2],
@@ -167,24 +199,18 @@ fn manifold(
     let mut count = 0;
     for &i in chosen.iter().take_while(|&&i| i != usize::MAX) {
         let LowVertex {
-            separation,
-            position,
-            number,
+            gap,
+            bulge,
+            anchor,
+            curvature_radius,
             ..
         } = vertices[i];
-        let anchor = frame.rotation * (frame.scale * position.as_dvec3());
-        let curvature_radius = f64::from(features.vertex_curvature_radii[number as usize]) * size;
-        let own_normal = frame.rotation * (features.vertex_normals[number as usize].as_dvec3() / frame.scale);
-        // Other vertices are corners, whose anchor rotates with the body.
-        let (anchor, curvature_radius) = match smooth::slide_of_vertex(own_normal, anchor, -normal, curvature_radius) {
-            Some(slide) => (anchor + slide, curvature_radius),
-            None => (anchor, 0.0),
-        };
-        let foot = frame.center + anchor - normal * separation as f64;
+        let foot = frame.center + anchor - normal * gap as f64;
         let point = ManifoldPoint {
             anchors: [anchor.as_vec3(), (foot - center).as_vec3()],
-            separation,
-            curvature_radii: [curvature_radius as f32, f32::INFINITY],
+            separation: gap + bulge,
+            bulge,
+            curvature_radii: [curvature_radius, f32::INFINITY],
             ..none
         };
         points[count] = point.shifted([frame.offset().as_vec3(), Vec3::ZERO]);
@@ -200,26 +226,26 @@ fn manifold(
 /// Selects vertices: the lowest, then repeatedly the one farthest from those selected. The first half is selected among
 /// those as low as the lowest, which support the body; the others are those onto which it may roll. Unused entries are
 /// `usize::MAX`.
-fn choose(vertices: &mut [LowVertex], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
+fn choose(vertices: &mut [LowVertex], level: f32) -> [usize; MAX_POINTS] {
     let mut chosen = [usize::MAX; MAX_POINTS];
     let lowest = vertices
         .iter()
         .enumerate()
-        .min_by(|(_, a), (_, b)| a.separation.total_cmp(&b.separation));
-    let Some((lowest, &LowVertex { separation: floor, .. })) = lowest else {
+        .min_by(|(_, a), (_, b)| a.gap.total_cmp(&b.gap));
+    let Some((lowest, &LowVertex { gap: floor, .. })) = lowest else {
         return chosen;
     };
     chosen[0] = lowest;
     let mut count = 1;
     for (limit, ceiling) in [(MAX_POINTS / 2, floor + level), (MAX_POINTS, f32::INFINITY)] {
         while count < limit {
-            let last = vertices[chosen[count - 1]].position;
+            let last = vertices[chosen[count - 1]].anchor;
             // The first of equal ones, so the result follows the order of the vertices.
             let mut farthest = (0, 0.0);
             for (i, vertex) in vertices.iter_mut().enumerate() {
-                let apart = (scale * (vertex.position - last)).length_squared();
+                let apart = (vertex.anchor - last).length_squared() as f32;
                 vertex.apart = vertex.apart.min(apart);
-                if vertex.separation <= ceiling && vertex.apart > farthest.1 {
+                if vertex.gap <= ceiling && vertex.apart > farthest.1 {
                     farthest = (i, vertex.apart);
                 }
             }
