@@ -30,9 +30,10 @@ struct LowVertex {
     // Relative to the centre of mass, in the world's axes.
     anchor: vec3<f32>,
     // That of the smooth surface for which it stands.
-    gap: f32,
-    // How far that lies beyond the vertex.
-    bulge: f32,
+    separation: f32,
+    // The anchor in the mesh's axes. Vertices of a cube are exactly as far from each other there as others, so that ties
+    // are decided by their order.
+    position: vec3<f32>,
     // Of the surface in the direction in which it rolls; 0 at a corner.
     curvature_radius: f32,
     // It stands for a smooth surface that touches elsewhere.
@@ -115,8 +116,8 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
             let separation = dot(vector(vertices + 3u * v), along) + height;
             if separation < margin {
                 let vertex = low_vertex(body, plane.normal, rotation, separation, v);
-                if (stage == 1u || !vertex.elsewhere) && -vertex.gap > lowest {
-                    lowest = -vertex.gap;
+                if (stage == 1u || !vertex.elsewhere) && -vertex.separation > lowest {
+                    lowest = -vertex.separation;
                     place = v;
                 }
             }
@@ -145,8 +146,8 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
                 let separation = dot(vector(vertices + 3u * v), along) + height;
                 if separation < margin {
                     let vertex = low_vertex(body, plane.normal, rotation, separation, v);
-                    if !vertex.elsewhere && vertex.gap <= ceiling {
-                        let distance = square_from_chosen(vertex.anchor, count);
+                    if !vertex.elsewhere && vertex.separation <= ceiling {
+                        let distance = square_from_chosen(body.scale, vertex.position, count);
                         if distance > best_value {
                             best_value = distance;
                             number = v;
@@ -182,19 +183,20 @@ fn low_vertex(
     let place = sides::smooth_vertex(meshes[body.mesh].features, number);
     let contact = smooth::vertex_contact(place, rotation, body.scale, -normal, body.angular_velocity);
     var result: LowVertex;
-    let own = rotation * (body.scale * vector(meshes[body.mesh].vertices + 3u * number));
-    result.anchor = own + (contact.slide - normal * contact.bulge);
-    result.gap = separation - contact.bulge;
-    result.bulge = contact.bulge;
+    let position = vector(meshes[body.mesh].vertices + 3u * number);
+    let way = contact.slide - normal * contact.bulge;
+    result.position = position + (transpose(rotation) * way) / body.scale;
+    result.anchor = rotation * (body.scale * position) + way;
+    result.separation = separation - contact.bulge;
     result.curvature_radius = contact.radius;
     result.elsewhere = contact.state == smooth::ELSEWHERE;
     return result;
 }
 
-fn square_from_chosen(anchor: vec3<f32>, count: u32) -> f32 {
+fn square_from_chosen(scale: vec3<f32>, p: vec3<f32>, count: u32) -> f32 {
     var least = t::DROPPED;
     for (var k = 0u; k < count; k += 1u) {
-        let offset = anchor - chosen[k].anchor;
+        let offset = scale * (p - chosen[k].position);
         least = min(least, dot(offset, offset));
     }
     return least;
@@ -223,11 +225,10 @@ fn point(body: t::Body, plane: t::Plane, vertex: LowVertex) -> t::ContactPoint {
     var result: t::ContactPoint;
     result.anchor_a = vertex.anchor;
     // Relative to the plane's point nearest to the world's origin.
-    let foot = own + vertex.anchor - plane.normal * vertex.gap;
+    let foot = own + vertex.anchor - plane.normal * vertex.separation;
     result.anchor_b = (body.position - plane.normal * plane.distance) + foot;
     result.normal = -plane.normal;
-    result.separation = vertex.gap + vertex.bulge;
-    result.bulge = vertex.bulge;
+    result.separation = vertex.separation;
     result.curvature_radius_a = vertex.curvature_radius;
     result.curvature_radius_b = t::FLAT_RADIUS;
     result.face_a = t::NOTHING;

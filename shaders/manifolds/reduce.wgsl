@@ -7,7 +7,7 @@
 #import faceoff::constants::reduce::{MIN_WEIGHT, MAX_POINTS, DUPLICATE, DEPTH_SCALE, NORMAL_WEIGHT}
 #import faceoff::contact_slots::slot_of_pair
 #import faceoff::dispatch::group_index
-#import faceoff::math::{conjugate, norm1, rotate}
+#import faceoff::math::{norm1, rotate}
 #import faceoff::sides
 #import faceoff::smooth
 #import faceoff::types as t
@@ -21,7 +21,6 @@
 // x: number of the batch. y: number of batches.
 @group(0) @binding(8) var<uniform> constants: vec4<u32>;
 @group(0) @binding(9) var<storage, read> active_pairs: array<u32>;
-@group(0) @binding(10) var<storage, read> bodies: array<t::Body>;
 
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_at: array<u32, 64>;
@@ -201,8 +200,7 @@ fn point(setup: t::PairSetup, feature: t::Feature) -> Point {
         curvature_radius_of(a, feature.a, feature.vertex),
         curvature_radius_of(b, feature.b, feature.vertex),
     );
-    let spin = bodies[setup.b].angular_velocity - bodies[setup.a].angular_velocity;
-    let smoothed = smooth::smoothed(a, b, feature, face_radii, rotate(conjugate(setup.rotation), spin));
+    let smoothed = smooth::smoothed(a, b, feature, face_radii, setup.spin);
     let own = smoothed.normal;
     var result: t::ContactPoint;
     result.separation = feature.separation / setup.unit;

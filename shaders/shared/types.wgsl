@@ -463,6 +463,9 @@ struct PairSetup {
     probe_count: u32,
     // Not 0: the pair is split, and `first_near` and `near_count` are its range among the pieces.
     is_split: u32,
+    // With which b rotates relative to a, in a's axes.
+    spin: vec3<f32>,
+    padding: f32,
 }
 
 // A piece of a pair of large meshes: the parts below two nodes, and what is found there.

@@ -23,10 +23,11 @@ pub struct ManifoldPoint {
     /// Unit vector from the first body to the second. Between finely tessellated surfaces that are convex in all
     /// directions it is the normal of the smooth surfaces, on the line between their centres of curvature.
     pub normal: Vec3,
-    /// Signed distance of the meshes along the normal, metres; negative where the bodies overlap.
+    /// Signed distance of the meshes along the normal, metres; negative where the bodies overlap. On a plane that of the
+    /// smooth surface.
     pub separation: f32,
-    /// By how much the smooth surfaces are nearer to each other than the meshes, metres; 0 for other surfaces. The solver
-    /// keeps the smooth surfaces apart.
+    /// By how much the smooth surfaces are nearer to each other than `separation` tells, metres; 0 for other surfaces. The
+    /// solver keeps the smooth surfaces apart.
     #[serde(default)]
     pub bulge: f32,
     /// Radius of curvature of each body's surface at its anchor, metres, in the direction in which the body rolls: 0 at a

@@ -12,7 +12,7 @@ use std::f32::consts::TAU;
 
 /// What a body rolls on, along x.
 #[derive(Clone, Copy, Debug)]
-enum Ground {
+pub enum Ground {
     Block,
     HalfSpace,
     /// Two half-spaces at right angles.
@@ -114,8 +114,17 @@ fn a_ball_rolls_on_at_its_speed() {
         for (speed, seconds) in [(0.05, 60), (0.2, 60), (1.0, 20), (5.0, 2)] {
             let mut ball = Roller::new(&ball, 0.1, any_turn(&mut random), ground, speed);
             let name = format!("{ground:?}, {speed} m/s, {seconds} s");
-            ball.keeps(&name, 64 * seconds, 0.995..=1.001, 1.002);
+            ball.keeps(&name, 64 * seconds, 0.998..=1.001, 1.002);
         }
+    }
+}
+
+/// A ball and a wheel, for so many steps.
+#[allow(dead_code, reason = "the tests on a device call it")]
+pub fn keep_their_speed(ground: Ground, steps: u32) {
+    for (name, mesh) in [("ball", shapes::ball(0.3, 3)), ("cylinder", cylinder(96, 0.3, 0.1))] {
+        let mut roller = Roller::new(&mesh, 0.3, Quat::from_rotation_z(0.4), ground, 3.0);
+        roller.keeps(&format!("{ground:?}, {name}"), steps, 0.998..=1.001, 1.002);
     }
 }
 
@@ -142,7 +151,7 @@ fn wheels_roll_on_at_their_speed() {
             // Its axis stays across its way.
             let turn = Quat::from_rotation_z(TAU * random.f32());
             let mut wheel = Roller::new(&mesh, 0.3, turn, ground, 3.0);
-            wheel.keeps(&format!("{ground:?}, {name}"), 64 * 12, 0.995..=1.001, 1.002);
+            wheel.keeps(&format!("{ground:?}, {name}"), 64 * 12, 0.998..=1.001, 1.002);
         }
     }
 }
@@ -218,7 +227,7 @@ fn a_ball_slides_round_a_drum_as_along_a_polygon() {
     // a collision substep, and turns by all of them at once.
     let sides = 1024;
     let polygon = f64::from(TAU / sides as f32).cos().powi(sides as i32);
-    for (travel, least) in [(0.25, 0.92), (0.025, polygon - 0.005)] {
+    for (travel, least) in [(0.25, 0.92), (0.025, polygon - 0.01)] {
         let mut world = World::weightless();
         let solver = &mut world.state.input.config.solver;
         (solver.collision_substep_travel, solver.max_collision_substeps) = (travel, 64);

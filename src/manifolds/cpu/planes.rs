@@ -36,12 +36,13 @@ pub struct Scratch {
 /// A vertex that may reach the plane.
 struct LowVertex {
     /// That of the smooth surface for which it stands.
-    gap: f32,
-    /// How far that lies beyond the vertex.
-    bulge: f32,
+    separation: f32,
     /// The squared distance to the nearest selected vertex.
     apart: f32,
-    /// Relative to the centre of mass.
+    /// Where it touches, relative to the centre of mass, in the mesh's axes. Vertices of a cube are exactly as far from each
+    /// other there as others, so that ties are decided by their order.
+    position: Vec3,
+    /// The same in the world's axes.
     anchor: DVec3,
     /// Of the surface in the direction in which it rolls; 0 at a corner.
     curvature_radius: f32,
@@ -149,11 +150,12 @@ fn manifold(
                 continue;
             }
             let number = group as usize * CLUSTER + lane;
-            let anchor = placement * lane_of(eight, lane).as_dvec3();
+            let position = lane_of(eight, lane);
+            let anchor = placement * position.as_dvec3();
             let mut vertex = LowVertex {
-                gap: separation,
-                bulge: 0.0,
+                separation,
                 apart: f32::INFINITY,
+                position,
                 anchor,
                 curvature_radius: 0.0,
             };
@@ -163,14 +165,15 @@ fn manifold(
             match round.map_or(AtVertex::Corner, |round| round.contact(-normal, spin)) {
                 AtVertex::Corner => vertices.push(vertex),
                 AtVertex::Round(contact) => {
-                    vertex.bulge = contact.bulge as f32;
-                    vertex.gap -= vertex.bulge;
-                    vertex.anchor += contact.slide - normal * contact.bulge;
+                    let way = contact.slide - normal * contact.bulge;
+                    vertex.separation -= contact.bulge as f32;
+                    vertex.position += (frame.rotation.transpose() * way / frame.scale).as_vec3();
+                    vertex.anchor += way;
                     vertex.curvature_radius = contact.radius as f32;
                     vertices.push(vertex);
                 }
                 AtVertex::Elsewhere => {
-                    if lowest.as_ref().is_none_or(|lowest| separation < lowest.gap) {
+                    if lowest.as_ref().is_none_or(|lowest| separation < lowest.separation) {
                         lowest = Some(vertex);
                     }
                 }
@@ -181,7 +184,7 @@ fn manifold(
     if vertices.is_empty() {
         vertices.extend(lowest);
     }
-    let chosen = choose(vertices, 2.0 * LEVEL * radius);
+    let chosen = choose(vertices, frame.scale.as_vec3(), 2.0 * LEVEL * radius);
     if chosen[0] == usize::MAX {
         return None;
     }
@@ -199,17 +202,15 @@ fn manifold(
     let mut count = 0;
     for &i in chosen.iter().take_while(|&&i| i != usize::MAX) {
         let LowVertex {
-            gap,
-            bulge,
+            separation,
             anchor,
             curvature_radius,
             ..
         } = vertices[i];
-        let foot = frame.center + anchor - normal * gap as f64;
+        let foot = frame.center + anchor - normal * separation as f64;
         let point = ManifoldPoint {
             anchors: [anchor.as_vec3(), (foot - center).as_vec3()],
-            separation: gap + bulge,
-            bulge,
+            separation,
             curvature_radii: [curvature_radius, f32::INFINITY],
             ..none
         };
@@ -226,26 +227,26 @@ fn manifold(
 /// Selects vertices: the lowest, then repeatedly the one farthest from those selected. The first half is selected among
 /// those as low as the lowest, which support the body; the others are those onto which it may roll. Unused entries are
 /// `usize::MAX`.
-fn choose(vertices: &mut [LowVertex], level: f32) -> [usize; MAX_POINTS] {
+fn choose(vertices: &mut [LowVertex], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
     let mut chosen = [usize::MAX; MAX_POINTS];
     let lowest = vertices
         .iter()
         .enumerate()
-        .min_by(|(_, a), (_, b)| a.gap.total_cmp(&b.gap));
-    let Some((lowest, &LowVertex { gap: floor, .. })) = lowest else {
+        .min_by(|(_, a), (_, b)| a.separation.total_cmp(&b.separation));
+    let Some((lowest, &LowVertex { separation: floor, .. })) = lowest else {
         return chosen;
     };
     chosen[0] = lowest;
     let mut count = 1;
     for (limit, ceiling) in [(MAX_POINTS / 2, floor + level), (MAX_POINTS, f32::INFINITY)] {
         while count < limit {
-            let last = vertices[chosen[count - 1]].anchor;
+            let last = vertices[chosen[count - 1]].position;
             // The first of equal ones, so the result follows the order of the vertices.
             let mut farthest = (0, 0.0);
             for (i, vertex) in vertices.iter_mut().enumerate() {
-                let apart = (vertex.anchor - last).length_squared() as f32;
+                let apart = (scale * (vertex.position - last)).length_squared();
                 vertex.apart = vertex.apart.min(apart);
-                if vertex.gap <= ceiling && vertex.apart > farthest.1 {
+                if vertex.separation <= ceiling && vertex.apart > farthest.1 {
                     farthest = (i, vertex.apart);
                 }
             }
