@@ -33,7 +33,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         // Points of sleeping bodies have the impulse of their last solved substep.
         has_impulse |= impulse_of(point_states[k]) > 0.0 || point_states[k].normal_impulse > 0.0;
     }
-    if !(has_impulse || contact_points[nearest].separation <= pair.rest_offset) {
+    if !(has_impulse || contact_points[nearest].separation - contact_points[nearest].bulge <= pair.rest_offset) {
         return;
     }
     if pair.collider_b < step.bodies {
@@ -53,7 +53,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let substep_number = atomicLoad(&tally[t::COLLISION_SUBSTEPS]);
     for (var k = 0u; k < pair.count; k += 1u) {
         let point = contact_points[pair.first + k];
-        let middle = center + (point.anchor_a + point.normal * (0.5 * point.separation));
+        let middle = center + (point.anchor_a + point.normal * (0.5 * (point.separation - point.bulge)));
         let impulse = impulse_of(point_states[pair.first + k]);
         touches[first + k] = t::Touch(
             middle, pair.collider_a, point.normal, pair.collider_b, point.separation, impulse, substep_number, k

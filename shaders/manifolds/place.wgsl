@@ -70,6 +70,7 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     } else {
         result.offset_b = -(center_offset * b_to_a);
     }
+    result.spin = rotate(back, b.angular_velocity - a.angular_velocity);
     result.mesh_a = a.mesh;
     result.mesh_b = b.mesh;
     result.scale_a = a.scale * result.unit;

@@ -1,12 +1,12 @@
 // Contact generation: contact points of bodies on half-spaces. A few vertices each, the lowest and widely spread. One
 // workgroup per body. The twin of `src/manifolds/cpu/planes.rs`.
-#import faceoff::arena::{meshes, words, vector}
+#import faceoff::arena::{meshes, vector}
 #import faceoff::constants::manifolds::{LEVEL, MARGIN, MAX_PLANE_POINTS}
 #import faceoff::constants::shared::SAFETY
 #import faceoff::contact_slots::slot_of_plane
 #import faceoff::dispatch::group_index
 #import faceoff::margins::sway
-#import faceoff::math::{conjugate, direction, layers_interact, norm1, rotate}
+#import faceoff::math::{conjugate, layers_interact, matrix, rotate}
 #import faceoff::sides
 #import faceoff::smooth
 #import faceoff::types as t
@@ -22,9 +22,23 @@
 
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_vertex: array<u32, 64>;
-var<workgroup> chosen: array<vec3<f32>, 8>;
-var<workgroup> chosen_numbers: array<u32, 8>;
+var<workgroup> chosen: array<LowVertex, 8>;
 var<workgroup> base: u32;
+
+// A vertex that may reach the plane.
+struct LowVertex {
+    // Relative to the centre of mass, in the world's axes.
+    anchor: vec3<f32>,
+    // That of the smooth surface for which it stands.
+    separation: f32,
+    // The anchor in the mesh's axes. Vertices of a cube are exactly as far from each other there as others, so that ties
+    // are decided by their order.
+    position: vec3<f32>,
+    // Of the surface in the direction in which it rolls; 0 at a corner.
+    curvature_radius: f32,
+    // It stands for a smooth surface that touches elsewhere.
+    elsewhere: bool,
+}
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -47,7 +61,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         workgroupBarrier();
         if base != t::NOTHING && thread < count {
-            staged[base + thread] = point(bodies[index], planes[k], chosen[thread], chosen_numbers[thread]);
+            staged[base + thread] = point(bodies[index], planes[k], chosen[thread]);
         }
         workgroupBarrier();
     }
@@ -90,26 +104,33 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
         return 0u;
     }
     let along = body.scale * rotate(conjugate(body.rotation), plane.normal);
+    let rotation = matrix(body.rotation);
     let vertices = meshes[body.mesh].vertices;
     let vertex_count = meshes[body.mesh].vertex_count;
-    var best_value = -t::DROPPED;
-    var number = t::NOTHING;
-    for (var v = thread; v < vertex_count; v += 64u) {
-        let separation = dot(vector(vertices + 3u * v), along) + height;
-        if separation < margin && -separation > best_value {
-            best_value = -separation;
-            number = v;
+    var last = t::NOTHING;
+    // The lowest, if possible not one that stands for a surface that touches elsewhere.
+    for (var stage = 0u; stage < 2u && last == t::NOTHING; stage += 1u) {
+        var lowest = -t::DROPPED;
+        var place = t::NOTHING;
+        for (var v = thread; v < vertex_count; v += 64u) {
+            let separation = dot(vector(vertices + 3u * v), along) + height;
+            if separation < margin {
+                let vertex = low_vertex(body, plane.normal, rotation, separation, v);
+                if (stage == 1u || !vertex.elsewhere) && -vertex.separation > lowest {
+                    lowest = -vertex.separation;
+                    place = v;
+                }
+            }
         }
+        greatest(lowest, place, thread);
+        last = workgroupUniformLoad(&best_vertex[0]);
     }
-    greatest(best_value, number, thread);
-    let floor_height = -best[0];
-    var last = workgroupUniformLoad(&best_vertex[0]);
     if last == t::NOTHING {
         return 0u;
     }
+    let floor_height = -best[0];
     if thread == 0u {
-        chosen[0] = vector(vertices + 3u * last);
-        chosen_numbers[0] = last;
+        chosen[0] = low_vertex(body, plane.normal, rotation, dot(vector(vertices + 3u * last), along) + height, last);
     }
     workgroupBarrier();
     let level = 2.0 * LEVEL * body.radius;
@@ -117,18 +138,20 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     // The first half are those that support the body.
     for (var stage = 0u; stage < 2u; stage += 1u) {
         let limit = select(MAX_PLANE_POINTS / 2u, MAX_PLANE_POINTS, stage == 1u);
-        let ceiling = select(min(floor_height + level, margin), margin, stage == 1u);
+        let ceiling = select(floor_height + level, t::DROPPED, stage == 1u);
         while count < limit {
-            best_value = level * level;
-            number = t::NOTHING;
+            var best_value = level * level;
+            var number = t::NOTHING;
             for (var v = thread; v < vertex_count; v += 64u) {
-                let p = vector(vertices + 3u * v);
-                let separation = dot(p, along) + height;
-                if separation < margin && separation <= ceiling {
-                    let distance = square_from_chosen(body.scale, p, count);
-                    if distance > best_value {
-                        best_value = distance;
-                        number = v;
+                let separation = dot(vector(vertices + 3u * v), along) + height;
+                if separation < margin {
+                    let vertex = low_vertex(body, plane.normal, rotation, separation, v);
+                    if !vertex.elsewhere && vertex.separation <= ceiling {
+                        let distance = square_from_chosen(body.scale, vertex.position, count);
+                        if distance > best_value {
+                            best_value = distance;
+                            number = v;
+                        }
                     }
                 }
             }
@@ -139,8 +162,8 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
                 break;
             }
             if thread == 0u {
-                chosen[count] = vector(vertices + 3u * last);
-                chosen_numbers[count] = last;
+                let separation = dot(vector(vertices + 3u * last), along) + height;
+                chosen[count] = low_vertex(body, plane.normal, rotation, separation, last);
             }
             workgroupBarrier();
             count += 1u;
@@ -149,10 +172,31 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     return count;
 }
 
+// A vertex of this height over a plane. A finely tessellated curved surface touches with its smooth surface.
+fn low_vertex(
+    body: t::Body,
+    normal: vec3<f32>,
+    rotation: mat3x3<f32>,
+    separation: f32,
+    number: u32,
+) -> LowVertex {
+    let place = sides::smooth_vertex(meshes[body.mesh].features, number);
+    let contact = smooth::vertex_contact(place, rotation, body.scale, -normal, body.angular_velocity);
+    var result: LowVertex;
+    let position = vector(meshes[body.mesh].vertices + 3u * number);
+    let way = contact.slide - normal * contact.bulge;
+    result.position = position + (transpose(rotation) * way) / body.scale;
+    result.anchor = rotation * (body.scale * position) + way;
+    result.separation = separation - contact.bulge;
+    result.curvature_radius = contact.radius;
+    result.elsewhere = contact.state == smooth::ELSEWHERE;
+    return result;
+}
+
 fn square_from_chosen(scale: vec3<f32>, p: vec3<f32>, count: u32) -> f32 {
     var least = t::DROPPED;
     for (var k = 0u; k < count; k += 1u) {
-        let offset = scale * (p - chosen[k]);
+        let offset = scale * (p - chosen[k].position);
         least = min(least, dot(offset, offset));
     }
     return least;
@@ -176,31 +220,16 @@ fn greatest(value: f32, number: u32, thread: u32) {
     }
 }
 
-fn point(body: t::Body, plane: t::Plane, vertex: vec3<f32>, number: u32) -> t::ContactPoint {
-    let height = height_of(body, plane);
+fn point(body: t::Body, plane: t::Plane, vertex: LowVertex) -> t::ContactPoint {
     let own = rotate(body.rotation, body.scale * meshes[body.mesh].center);
-    let separation = dot(vertex, body.scale * rotate(conjugate(body.rotation), plane.normal)) + height;
-    // A finely tessellated curved surface touches with its smooth surface.
-    let smooth_vertex = sides::smooth_vertex(meshes[body.mesh].features, number);
-    let own_normal = rotate(body.rotation, direction(vector(smooth_vertex) / body.scale));
-    var curvature_radius = bitcast<f32>(words[smooth_vertex + 3u]);
-    if curvature_radius < t::FLAT_RADIUS {
-        curvature_radius *= norm1(body.scale) / 3.0;
-    }
-    var anchor = rotate(body.rotation, body.scale * vertex);
-    if smooth::is_smooth(own_normal, -plane.normal, curvature_radius) {
-        anchor += smooth::slide(own_normal, anchor, -plane.normal, curvature_radius);
-    } else {
-        // The anchor of a corner rotates with the body.
-        curvature_radius = 0.0;
-    }
     var result: t::ContactPoint;
-    result.anchor_a = anchor;
+    result.anchor_a = vertex.anchor;
     // Relative to the plane's point nearest to the world's origin.
-    result.anchor_b = (body.position - plane.normal * plane.distance) + (own + anchor - plane.normal * separation);
+    let foot = own + vertex.anchor - plane.normal * vertex.separation;
+    result.anchor_b = (body.position - plane.normal * plane.distance) + foot;
     result.normal = -plane.normal;
-    result.separation = separation;
-    result.curvature_radius_a = curvature_radius;
+    result.separation = vertex.separation;
+    result.curvature_radius_a = vertex.curvature_radius;
     result.curvature_radius_b = t::FLAT_RADIUS;
     result.face_a = t::NOTHING;
     result.face_b = t::NOTHING;

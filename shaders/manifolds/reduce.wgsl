@@ -3,6 +3,7 @@
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
 #import faceoff::batches::active_pair_of
+#import faceoff::constants::manifolds::SAME_CONTACT
 #import faceoff::constants::reduce::{MIN_WEIGHT, MAX_POINTS, DUPLICATE, DEPTH_SCALE, NORMAL_WEIGHT}
 #import faceoff::contact_slots::slot_of_pair
 #import faceoff::dispatch::group_index
@@ -24,7 +25,16 @@
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_at: array<u32, 64>;
 var<workgroup> chosen: array<u32, 16>;
+// The points of the chosen features, those of round surfaces, and their places in the manifold.
+var<workgroup> anchors: array<vec3<f32>, 16>;
+var<workgroup> normals: array<vec3<f32>, 16>;
+var<workgroup> states: array<u32, 16>;
+var<workgroup> places: array<u32, 16>;
 var<workgroup> base: u32;
+
+const DISTINCT: u32 = 0u;
+const ROUND: u32 = 1u;
+const ELSEWHERE: u32 = 2u;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -37,18 +47,53 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if setup.valid != 0u {
         count = choose(setup, thread);
     }
+    var own: Point;
+    if thread < count {
+        own = point(setup, features[chosen[thread]]);
+        anchors[thread] = own.point.anchor_a;
+        normals[thread] = own.point.normal;
+        states[thread] = own.state;
+    }
+    workgroupBarrier();
     if thread == 0u {
-        base = atomicAdd(&contact_counters[t::STAGED_POINTS], count);
-        let fits = base <= limits.staged_points && count <= limits.staged_points - base;
+        let kept = keep(setup, count);
+        base = atomicAdd(&contact_counters[t::STAGED_POINTS], kept);
+        let fits = base <= limits.staged_points && kept <= limits.staged_points - base;
         let pair = active_pairs[active_pair_of(index, constants.xy)];
         let slot = slot_of_pair(pair, setup.a, limits.bodies, limits.planes);
-        slots[slot] = t::ContactPair(setup.a, setup.b, base, select(0u, count, fits));
+        slots[slot] = t::ContactPair(setup.a, setup.b, base, select(0u, kept, fits));
         base = select(t::NOTHING, base, fits);
     }
     workgroupBarrier();
-    if base != t::NOTHING && thread < count {
-        staged[base + thread] = point(setup, features[chosen[thread]]);
+    if base != t::NOTHING && thread < count && places[thread] != t::NOTHING {
+        staged[base + places[thread]] = own.point;
     }
+}
+
+// Gives the points their places, and returns the number of those that are kept. Smooth surfaces have one point where they
+// touch, not one of each vertex nearby.
+fn keep(setup: t::PairSetup, count: u32) -> u32 {
+    let close = SAME_CONTACT * setup.size / setup.unit;
+    var kept = 0u;
+    for (var i = 0u; i < count; i += 1u) {
+        var is_kept = states[i] != ELSEWHERE;
+        if states[i] == ROUND {
+            for (var k = 0u; k < i; k += 1u) {
+                if places[k] != t::NOTHING
+                    && distance(normals[k], normals[i]) < SAME_CONTACT
+                    && distance(anchors[k], anchors[i]) < close {
+                    is_kept = false;
+                }
+            }
+        }
+        places[i] = select(t::NOTHING, kept, is_kept);
+        kept += u32(is_kept);
+    }
+    if kept == 0u && count > 0u {
+        places[0] = 0u;
+        kept = 1u;
+    }
+    return kept;
 }
 
 // Selects features and returns their number.
@@ -141,33 +186,56 @@ fn greatest(value: f32, place: u32, thread: u32) {
     }
 }
 
+// A contact point, and whether it is one of round surfaces or stands for one that touches elsewhere.
+struct Point {
+    point: t::ContactPoint,
+    state: u32,
+}
+
 // The contact point of a feature, in world axes and metres.
-fn point(setup: t::PairSetup, feature: t::Feature) -> t::ContactPoint {
+fn point(setup: t::PairSetup, feature: t::Feature) -> Point {
     let a = sides::first(setup);
     let b = sides::second(setup);
+    let face_radii = vec2(
+        curvature_radius_of(a, feature.a, feature.vertex),
+        curvature_radius_of(b, feature.b, feature.vertex),
+    );
+    let smoothed = smooth::smoothed(a, b, feature, face_radii, setup.spin);
+    let own = smoothed.normal;
     var result: t::ContactPoint;
     result.separation = feature.separation / setup.unit;
-    result.curvature_radius_a = curvature_radius_of(a, feature.a, feature.vertex, setup.unit);
-    result.curvature_radius_b = curvature_radius_of(b, feature.b, feature.vertex, setup.unit);
-    let curvature_radius = vec2(result.curvature_radius_a, result.curvature_radius_b) * setup.unit;
-    let smoothed = smooth::smoothed(a, b, feature, curvature_radius);
-    let normal = rotate(setup.rotation, smoothed.normal);
+    result.bulge = (smoothed.bulge_a + smoothed.bulge_b) / setup.unit;
+    result.curvature_radius_a = in_metres(smoothed.radius_a, setup.unit);
+    result.curvature_radius_b = in_metres(smoothed.radius_b, setup.unit);
+    let normal = rotate(setup.rotation, own);
     result.normal = normal / sqrt(dot(normal, normal));
-    result.anchor_a = rotate(setup.rotation, feature.point_a + smoothed.slide_a - a.center) / setup.unit;
-    result.anchor_b = rotate(setup.rotation, feature.point_b + smoothed.slide_b - b.center) / setup.unit;
+    let on_a = feature.point_a + (smoothed.slide_a + own * smoothed.bulge_a) - a.center;
+    let on_b = feature.point_b + (smoothed.slide_b - own * smoothed.bulge_b) - b.center;
+    result.anchor_a = rotate(setup.rotation, on_a) / setup.unit;
+    result.anchor_b = rotate(setup.rotation, on_b) / setup.unit;
     result.normal_rotation = smoothed.normal_rotation * setup.unit;
     result.face_a = sides::face(a, feature.a);
     result.face_b = sides::face(b, feature.b);
-    return result;
+    let is_round = is_curved(result.curvature_radius_a) || is_curved(result.curvature_radius_b);
+    return Point(result, select(select(DISTINCT, ROUND, is_round), ELSEWHERE, smoothed.elsewhere));
 }
 
-// Radius of curvature of a body's surface at the feature, metres.
-fn curvature_radius_of(side: sides::Side, triangle: u32, vertex: u32, unit: f32) -> f32 {
+fn is_curved(radius: f32) -> bool {
+    return radius > 0.0 && radius < t::FLAT_RADIUS;
+}
+
+// A radius of curvature in metres. That of a flat surface stays.
+fn in_metres(radius: f32, unit: f32) -> f32 {
+    return select(radius / unit, t::FLAT_RADIUS, radius >= t::FLAT_RADIUS);
+}
+
+// Radius of curvature of a body's surface at the feature.
+fn curvature_radius_of(side: sides::Side, triangle: u32, vertex: u32) -> f32 {
     let curvature_radius = sides::curvature_radius(side, triangle);
     let is_face = vertex != t::NOTHING && (vertex & t::OF_SECOND) != side.mark;
     // The interior of a face between creases is flat.
     if curvature_radius >= t::FLAT_RADIUS || (is_face && curvature_radius == 0.0) {
         return t::FLAT_RADIUS;
     }
-    return curvature_radius * norm1(side.scale) / (3.0 * unit);
+    return curvature_radius * norm1(side.scale) / 3.0;
 }

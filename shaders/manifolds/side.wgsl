@@ -6,7 +6,7 @@
 
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::ARC_SLACK
-#import faceoff::constants::shared::{ANY_NORMAL, MESH_HEADER, MESH_RECORD}
+#import faceoff::constants::shared::{ANY_NORMAL, MESH_HEADER, MESH_RECORD, MESH_ROUND}
 #import faceoff::math::direction
 #import faceoff::types as t
 
@@ -96,14 +96,9 @@ fn vertex(side: Side, number: u32) -> vec3<f32> {
     return place(side, vector(side.features + words[side.features + 1u] + 3u * number));
 }
 
-// Normal of the smooth surface at a vertex; zero if it has none.
-fn smooth_normal(side: Side, number: u32) -> vec3<f32> {
-    return side.rotation * direction(vector(smooth_vertex(side.features, number)) / side.scale);
-}
-
-// Index of a vertex's smooth normal and radius of curvature, for a mesh whose features start at `features`.
+// Index of the words of a vertex's smooth normal and roundness, for a mesh whose features start at `features`.
 fn smooth_vertex(features: u32, number: u32) -> u32 {
-    return features + words[features + 6u] + 4u * number;
+    return features + words[features + 6u] + MESH_ROUND * number;
 }
 
 // Range of the vertex's neighbours among the words.

@@ -463,6 +463,9 @@ struct PairSetup {
     probe_count: u32,
     // Not 0: the pair is split, and `first_near` and `near_count` are its range among the pieces.
     is_split: u32,
+    // With which b rotates relative to a, in a's axes.
+    spin: vec3<f32>,
+    padding: f32,
 }
 
 // A piece of a pair of large meshes: the parts below two nodes, and what is found there.
@@ -538,7 +541,7 @@ const DROPPED: f32 = 3.0e38;
 struct ContactPoint {
     // From each body's centre of mass to the point on its surface.
     anchor_a: vec3<f32>,
-    // Signed distance from the first point to the second along the normal; negative if the bodies overlap.
+    // Signed distance of the meshes along the normal; negative if the bodies overlap.
     separation: f32,
     anchor_b: vec3<f32>,
     // Radius of curvature of each surface: 0 on a crease, `FLAT_RADIUS` on a flat surface.
@@ -551,7 +554,8 @@ struct ContactPoint {
     face_b: u32,
     // Rotation of the normal per distance that the surfaces slide along each other, radians per metre.
     normal_rotation: f32,
-    padding: u32,
+    // By how much the smooth surfaces are nearer to each other than the meshes. The solver keeps the smooth surfaces apart.
+    bulge: f32,
 }
 
 // The manifold of a pair. Half-spaces are numbered after the bodies.

@@ -71,7 +71,7 @@ fn rest_offset(pair: t::ContactPair) -> f32 {
 fn overlaps(pair: t::ContactPair) -> bool {
     let limit = -OVERLAP * rest_offset(pair);
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
-        if contact_points[k].separation < limit {
+        if contact_points[k].separation - contact_points[k].bulge < limit {
             return true;
         }
     }
@@ -82,7 +82,7 @@ fn overlaps(pair: t::ContactPair) -> bool {
 fn touches(pair: t::ContactPair) -> bool {
     let near = touch_distance(pair);
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
-        if contact_points[k].separation <= near {
+        if contact_points[k].separation - contact_points[k].bulge <= near {
             return true;
         }
     }

@@ -54,7 +54,7 @@ fn will_touch(pair: t::ContactPair, bodies: vec2<u32>) -> bool {
         let point = contact_points[k];
         let velocity = velocity_at(bodies.x, point.anchor_a) - velocity_at(bodies.y, point.anchor_b);
         let approach_speed = dot(velocity, point.normal);
-        if point.separation - (max(approach_speed, 0.0) + fall) * dt <= near {
+        if point.separation - point.bulge - (max(approach_speed, 0.0) + fall) * dt <= near {
             return true;
         }
     }

@@ -174,7 +174,7 @@ fn is_valid(contact: t::ContactPoint) -> bool {
     let square = dot(contact.normal, contact.normal);
     return finite_vector(contact.normal)
         && abs(square - 1.0) <= 2.0e-4
-        && finite(contact.separation)
+        && finite(contact.separation - contact.bulge)
         && finite(contact.normal_rotation)
         && finite_vector(contact.anchor_a)
         && finite_vector(contact.anchor_b);
@@ -190,7 +190,7 @@ fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint) -> s::Point
     constants.anchor_offset = pair.center_offset + (contact.anchor_b - contact.anchor_a);
     constants.initial_normal = contact.normal;
     constants.normal_rotation = contact.normal_rotation;
-    constants.initial_separation = contact.separation - pair.rest_offset;
+    constants.initial_separation = contact.separation - contact.bulge - pair.rest_offset;
     // Impulses act on the sharper body: 0 is the first, 1 the second.
     let sum = contact.curvature_radius_a + contact.curvature_radius_b;
     if finite(sum) && sum > 0.0 {

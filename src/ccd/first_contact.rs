@@ -82,6 +82,7 @@ fn first_contact(
         normal: normal.as_vec3(),
         // A rotation may lead a point round to a place from which it does not approach along the normal.
         separation: offset.dot(normal).max(0.0) as f32,
+        bulge: 0.0,
         curvature_radii: [0.0; 2],
         normal_rotation: 0.0,
         faces: [0, 1].map(|i| {

@@ -52,7 +52,7 @@ impl Touches {
                 continue;
             }
             let diameter = 2.0 * solver_bodies.bodies[a].radius.min(solver_bodies.bodies[b].radius);
-            let near = nearest.separation <= settings.rest_offset * diameter;
+            let near = nearest.gap() <= settings.rest_offset * diameter;
             if near || (first..first + points.len()).any(|point| solver.pushes(point)) {
                 let center = bodies.frame[a].body_center.as_vec3();
                 self.all.extend(points.iter().enumerate().map(|(k, point)| Touch {

@@ -2,6 +2,9 @@
 
 mod curvature;
 
+pub(crate) use curvature::MIN_TURN;
+pub use curvature::Roundness;
+
 use super::edges::{Edges, NO_EDGE, is_collapsed};
 use super::slivers::AcrossSlivers;
 use crate::geometry::{OneSided, TriMesh};
@@ -77,8 +80,8 @@ pub struct MeshFeatures {
     /// from the sphere's centre. Unlike averages of face normals they do not depend on the triangulation. Zero if no
     /// sphere fits.
     pub vertex_normals: Vec<Vec3>,
-    /// For each vertex, the smallest radius of curvature of its triangles, mesh units.
-    pub vertex_curvature_radii: Vec<f32>,
+    /// For each vertex, how the smooth surface around it is curved.
+    pub roundness: Vec<Roundness>,
     /// Which triangles push only to the side of their normal.
     pub one_sided: OneSided,
     /// For each triangle, whether it counts once with another one that has the same corners; empty if none does.
@@ -107,12 +110,12 @@ impl MeshFeatures {
             ..Self::default()
         };
         let numbers = features.add_triangles(mesh);
-        let ends = features.add_edges(mesh, &numbers);
+        let (ends, creases) = features.add_edges(mesh, &numbers);
         features.add_edge_normal_rotations();
         features.add_neighbors(&ends);
         features.add_nearest_rotations();
         features.add_components(mesh, &numbers);
-        features.add_vertex_curvature();
+        features.add_roundness(&creases);
         features
     }
 
@@ -173,9 +176,9 @@ impl MeshFeatures {
         mesh.welded().iter().map(|&keeper| numbers[keeper as usize]).collect()
     }
 
-    /// Adds edges, their owners and the curvature across them. Returns the ends of the edges. `numbers` maps vertices of the
-    /// mesh to [`MeshFeatures::vertices`].
-    fn add_edges(&mut self, mesh: &TriMesh, numbers: &[u32]) -> Vec<[u32; 2]> {
+    /// Adds edges, their owners and the curvature across them. Returns the ends of the edges, and those of the creases
+    /// among them. `numbers` maps vertices of the mesh to [`MeshFeatures::vertices`].
+    fn add_edges(&mut self, mesh: &TriMesh, numbers: &[u32]) -> (Vec<[u32; 2]>, Vec<[u32; 2]>) {
         let Edges { ends, of_triangles } = Edges::of(&self.triangles, self.vertices.len());
         self.triangle_edges = of_triangles;
         self.across = vec![NONE; ends.len()];
@@ -205,6 +208,7 @@ impl MeshFeatures {
             slivers.add(ends[edge], owner.triangle);
         }
         let normals_at_ends = self.angle_weighted_normals();
+        let mut creases = Vec::new();
         // A collapsed triangle is no smooth surface.
         let flattest = |collapsed: &bool| if *collapsed { 0.0 } else { f32::INFINITY };
         self.curvature_radii = collapsed.iter().map(flattest).collect();
@@ -227,6 +231,8 @@ impl MeshFeatures {
                 let angle = self.angle_between(triangles);
                 if angle <= CREASE {
                     radius = self.curvature_radius_along(ends[edge], &normals_at_ends);
+                } else {
+                    creases.push(ends[edge]);
                 }
                 if angle <= FACET {
                     curvature = radius.recip();
@@ -250,7 +256,7 @@ impl MeshFeatures {
                 self.owned[owner] |= 8 << side;
             }
         }
-        ends
+        (ends, creases)
     }
 
     /// The triangles without area that close the mesh, by the same numbers of vertices.
@@ -458,7 +464,7 @@ mod tests {
         let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
         let features = of(&TriMesh::new(corners, vec![[0, 1, 2]; 2]).unwrap());
         assert_eq!(features.curvature_radii, [0.0; 2]);
-        assert_eq!(features.vertex_curvature_radii, [0.0; 3]);
+        assert_eq!(features.roundness, [Roundness::Corner; 3]);
     }
 
     #[test]
@@ -489,7 +495,11 @@ mod tests {
             assert!(p.normalize().distance(*normal) < 0.01, "{p} {normal}");
         }
         assert!(ball.curvature.iter().all(|c| (0.43..0.56).contains(c)));
-        assert!(ball.vertex_curvature_radii.iter().all(|r| (1.7..2.2).contains(r)));
+        assert!(
+            ball.roundness
+                .iter()
+                .all(|round| matches!(round, Roundness::Surface { .. }))
+        );
         // Facets, creases and the inner side of a ring have no curvature in some direction.
         let none = |mesh: &TriMesh| of(mesh).curvature.iter().all(|c| *c == 0.0);
         assert!(none(&shapes::ball(2.0, 1)) && none(&shapes::cube(1.0)));
@@ -501,7 +511,59 @@ mod tests {
             assert!(curvature == 0.0 || reach.iter().all(|r| *r > 0.69), "{t}: {curvature}");
         }
         let cube = of(&shapes::cube(1.0));
-        assert!(cube.vertex_curvature_radii.iter().all(|r| *r == 0.0));
+        assert!(cube.roundness.iter().all(|round| *round == Roundness::Corner));
+    }
+
+    /// The radius of curvature at a vertex along a direction of its tangent plane.
+    fn radius_along(features: &MeshFeatures, vertex: usize, direction: DVec3) -> f64 {
+        let tangent = direction.reject_from_normalized(features.vertex_normals[vertex].as_dvec3().normalize());
+        let along = tangent.normalize();
+        let Roundness::Surface { radii, .. } = features.roundness[vertex] else {
+            panic!("{vertex} is a corner");
+        };
+        let [xx, xy, xz, yy, yz, zz] = radii.map(f64::from);
+        let way = DVec3::new(
+            DVec3::new(xx, xy, xz).dot(along),
+            DVec3::new(xy, yy, yz).dot(along),
+            DVec3::new(xz, yz, zz).dot(along),
+        );
+        along.dot(way)
+    }
+
+    #[test]
+    fn radii_at_vertices_are_those_of_the_smooth_surface_in_each_direction() {
+        // All vertices of a ball lie on its sphere, so they give its radius, however the sphere is divided.
+        let ball = of(&shapes::ball(2.0, 4));
+        for vertex in 0..ball.vertices.len() {
+            for direction in DVec3::AXES {
+                let radius = radius_along(&ball, vertex, direction + DVec3::splat(0.1));
+                assert!((radius - 2.0).abs() < 1.0e-3, "{vertex}: {radius}");
+            }
+        }
+        // At the equator of a torus they are those of the circle and of the tube.
+        let torus = of(&shapes::torus(96, 48, 0.7, 0.3));
+        let mut found = 0;
+        for (vertex, p) in torus.vertices.iter().enumerate().map(|(i, p)| (i, p.as_dvec3())) {
+            if p.truncate().length() < 0.999 {
+                continue;
+            }
+            let [around, across] = [p.cross(DVec3::Z), DVec3::Z].map(|way| radius_along(&torus, vertex, way));
+            assert!(
+                (around - 1.0).abs() < 0.02 && (across - 0.3).abs() < 0.006,
+                "{around} {across}"
+            );
+            found += 1;
+        }
+        assert_eq!(found, 96);
+        // Faces of a coarse ball are facets.
+        let rounds = |mesh: &TriMesh| {
+            of(mesh)
+                .roundness
+                .iter()
+                .filter(|round| matches!(round, Roundness::Surface { .. }))
+                .count()
+        };
+        assert_eq!([rounds(&shapes::ball(2.0, 2)), rounds(&shapes::ball(2.0, 3))], [0, 642]);
     }
 
     #[test]

@@ -223,6 +223,7 @@ layout! {
         window_direction: Vec3, first_segment: u32,
         segment_count: u32, first_feature: u32, feature_count: u32, first_deep: u32,
         deep_count: u32, first_probe: u32, probe_count: u32, is_split: u32,
+        spin: Vec3, padding: f32,
     }
     /// A piece of a pair of large meshes, and what contact generation finds there.
     NearPiece {
@@ -255,7 +256,7 @@ layout! {
         anchor_a: Vec3, separation: f32,
         anchor_b: Vec3, curvature_radius_a: f32,
         normal: Vec3, curvature_radius_b: f32,
-        face_a: u32, face_b: u32, normal_rotation: f32, padding: u32,
+        face_a: u32, face_b: u32, normal_rotation: f32, bulge: f32,
     }
     /// The manifold of a pair.
     ContactPair {

@@ -1,19 +1,23 @@
 //! The topology of a mesh as words, as `shaders/manifolds/side.wgsl` reads it.
 
 use super::layout::{FLAT_RADIUS, NOTHING, ONE_SIDED};
-use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
+use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE, Roundness};
 use crate::state::mesh_arena::MeshSlot;
 use glam::Vec3;
 
 /// Number of words before the triangles' records. Seven are used: the number of vertices, and the start of the
 /// positions, of the starts of the neighbour lists, of these lists, of the component numbers, of the components' far
-/// ends, and of the vertex normals, each with the radius of curvature.
+/// ends, and of the vertex normals, each with the roundness.
 pub const HEADER: usize = 8;
 
 /// Number of words per triangle: vertices; edges; the triangles across the edges that it owns; normal; what it owns, whether it
 /// is one-sided, and the largest normal rotation at its edges; radius of curvature; number in the source mesh; lower bound of the
 /// curvature.
 pub const RECORD: usize = 16;
+
+/// Number of words per vertex of its normal and roundness: the normal; the radii of curvature of a surface, or the
+/// tangent and the curvature of a rim; the reach, which is negative on a rim and 0 at a corner.
+pub const ROUND: usize = 10;
 
 /// The words of a mesh. Starts are relative to the first word.
 pub fn words(slot: &MeshSlot) -> Vec<u32> {
@@ -26,7 +30,7 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     let components = neighbors + features.neighbors.len();
     let far_ends = components + vertices;
     let rounds = far_ends + 3 * slot.mesh.mesh.component_vertices().len();
-    let mut words = Vec::with_capacity(rounds + 4 * vertices);
+    let mut words = Vec::with_capacity(rounds + ROUND * vertices);
     words.extend([vertices, positions, starts, neighbors, components, far_ends, rounds, 0].map(|word| word as u32));
     for t in 0..triangles {
         record(slot, features, t, &mut words);
@@ -38,9 +42,22 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     words.extend(&features.neighbors);
     words.extend(&features.components);
     words.extend(far_ends_of(slot, features).iter().flat_map(place));
-    for (normal, curvature_radius) in features.vertex_normals.iter().zip(&features.vertex_curvature_radii) {
-        let [x, y, z] = normal.to_array();
-        words.extend([x, y, z, curvature_radius.min(FLAT_RADIUS)].map(f32::to_bits));
+    for (normal, round) in features.vertex_normals.iter().zip(&features.roundness) {
+        let (shape, reach) = match *round {
+            Roundness::Corner => ([0.0; 6], 0.0),
+            Roundness::Surface { radii, reach } => (radii, reach),
+            Roundness::Rim {
+                tangent,
+                curvature,
+                reach,
+            } => {
+                let ([x, y, z], [u, v, w]) = (tangent.to_array(), curvature.to_array());
+                ([x, y, z, u, v, w], -reach)
+            }
+        };
+        words.extend(normal.to_array().map(f32::to_bits));
+        words.extend(shape.map(f32::to_bits));
+        words.push(reach.to_bits());
     }
     words
 }
@@ -119,7 +136,10 @@ mod tests {
         let words = words(&slot);
         let features = &*slot.features;
         assert_eq!(words[1] as usize, HEADER + RECORD * features.triangles.len());
-        assert_eq!(words.len(), words[4] as usize + 5 * features.vertices.len() + 3);
+        assert_eq!(
+            words.len(),
+            words[4] as usize + (1 + ROUND) * features.vertices.len() + 3
+        );
         assert_eq!(words[HEADER..HEADER + 3], features.triangles[0]);
     }
 }

@@ -56,6 +56,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::shared", {
     u32 HEIGHT_STEPS = heights::STEPS;
     u32 MESH_HEADER = mesh_features::HEADER;
     u32 MESH_RECORD = mesh_features::RECORD;
+    u32 MESH_ROUND = mesh_features::ROUND;
     f32 ANY_NORMAL = ANY_NORMAL;
     vec3 DEFAULT_DIRECTION = DEFAULT_DIRECTION;
     f32 MAX_SPEED = fault::MAX_SPEED;

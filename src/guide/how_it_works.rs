@@ -177,7 +177,8 @@
 //! # Ok::<(), bevy_faceoff::queries::BodyFault>(())
 //! ```
 //!
-//! On finely tessellated round surfaces points and normals are those of the smooth surface, so balls roll. On the CPU a
+//! In the simulation, finely tessellated round surfaces touch where the smooth surface through their vertices does, so balls
+//! and wheels roll on without bumps. It lies up to a hundredth of its radius of curvature outside of the facets. On the CPU a
 //! pair keeps its candidates from step to step, found with some slack, until the bodies have moved farther.
 //!
 //! ## ForceScan: wake, solve, sleep

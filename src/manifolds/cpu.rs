@@ -37,7 +37,7 @@ pub(crate) use feature::Feature;
 pub(crate) use feature_ids::feature_ids;
 pub(crate) use kept::Kept;
 pub(super) use moved::Reuse;
-pub(crate) use pair::{Pair, Worker};
+pub(crate) use pair::{Pair, PairPoint, Worker};
 
 use super::MarginPair;
 use crate::parallel::loops;
@@ -230,7 +230,8 @@ fn add_points(
         None => (worker.reduced(&pair, *margin, kept, threads), false),
     };
     let offsets = numbers.map(|i| bodies.frame[i as usize].offset().as_vec3());
-    points.extend(chosen.iter().map(|feature| pair.point(feature).0.shifted(offsets)));
+    let [a, b] = numbers.map(|i| bodies.angular_velocity[i as usize].as_dvec3());
+    pair.add_points(chosen, b - a, |point| points.push(point.shifted(offsets)));
     if let Some(reuse) = reuse {
         kept.found
             .set(&pair, bodies, *numbers, *margin, reuse.step, &points[first..]);

@@ -3,7 +3,7 @@
 use super::placed::Placed;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::manifolds;
-use crate::manifolds::cpu::{Feature, Kept, Pair, Worker, feature_ids};
+use crate::manifolds::cpu::{Feature, Kept, Pair, PairPoint, Worker, feature_ids};
 use crate::types::feature_id::FeatureId;
 use glam::{DVec3, Vec3};
 
@@ -110,9 +110,10 @@ fn find<'w>(
     let [mesh_a, mesh_b] = [a.in_frame(&frames[0]), b.in_frame(&frames[1])];
     let pair = Pair::new([&mesh_a, &mesh_b]);
     points.extend(of_pair(&pair).iter().map(|feature| {
-        let (point, anchors) = pair.point(feature);
+        // The points lie on the meshes, not on the smooth surfaces for which these may stand.
+        let PairPoint { point, on_meshes, .. } = pair.point(feature, DVec3::ZERO);
         MeshContact {
-            anchors: [a.center_offset() + anchors[0], b.center_offset() + anchors[1]],
+            anchors: [a.center_offset() + on_meshes[0], b.center_offset() + on_meshes[1]],
             normal: point.normal,
             separation: point.separation,
             faces: point.faces,

@@ -224,7 +224,7 @@ impl Sleeper {
                     let motion = &bodies.motions[bodies.body_of(pair.bodies[side]) as usize];
                     motion.linear_velocity + motion.angular_velocity.cross(p.anchors[side])
                 });
-                p.separation - ((a - b).dot(p.normal).max(0.0) + fall) * dt <= distance
+                p.gap() - ((a - b).dot(p.normal).max(0.0) + fall) * dt <= distance
             };
             if points_of(manifolds, pair).iter().any(will_touch) {
                 self.mark_other(bodies, pair, |bodies, i| match bodies.bodies[i].kind {
@@ -271,14 +271,14 @@ pub(crate) fn wake_on_changed_support(bodies: &mut SolverBodies, inactive: &Inac
 /// Whether both bodies exist and are solid, and some point is within the touch distance.
 fn touches(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, settings: &SolverSettings) -> bool {
     touch_distance(bodies, pair, settings)
-        .is_some_and(|distance| points_of(manifolds, pair).iter().any(|p| p.separation <= distance))
+        .is_some_and(|distance| points_of(manifolds, pair).iter().any(|p| p.gap() <= distance))
 }
 
 /// Whether both bodies exist and are solid, and overlap too deeply to be at rest.
 fn overlaps(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, settings: &SolverSettings) -> bool {
     rest_gap(bodies, pair, settings).is_some_and(|gap| {
         let mut points = points_of(manifolds, pair).iter();
-        points.any(|p| p.separation < -OVERLAP * gap)
+        points.any(|p| p.gap() < -OVERLAP * gap)
     })
 }
 

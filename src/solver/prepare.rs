@@ -109,7 +109,7 @@ impl Source<'_> {
 /// The constraint point of a manifold's point; [`Point::NONE`] if its numbers are invalid.
 fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, offsets: [Vec3; 2], rest_offset: f32) -> Point {
     let valid = manifold.normal.is_normalized()
-        && manifold.separation.is_finite()
+        && manifold.gap().is_finite()
         && manifold.normal_rotation.is_finite()
         && manifold.anchors.iter().all(|anchor| anchor.is_finite());
     if !valid {
@@ -123,7 +123,7 @@ fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, offsets: [Vec3;
         anchor_offset: (center_offset + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
         normal_rotation: manifold.normal_rotation,
         frame: frame(manifold.normal),
-        initial_separation: manifold.separation - rest_offset,
+        initial_separation: manifold.gap() - rest_offset,
         valid: true,
         ..Point::NONE
     }

@@ -17,18 +17,23 @@ pub struct Manifold {
 /// A contact point.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ManifoldPoint {
-    /// Anchors: the point on each collider's surface relative to its body's centre of mass, in world axes, metres. Where a vertex
-    /// of a finely tessellated curved surface touches, the anchor lies on the smooth surface that the mesh
-    /// approximates.
+    /// Anchors: the point on each collider's surface relative to its body's centre of mass, in world axes, metres. Where a
+    /// finely tessellated curved surface touches, the anchor lies on the smooth surface through its vertices.
     pub anchors: [Vec3; 2],
     /// Unit vector from the first body to the second. Between finely tessellated surfaces that are convex in all
     /// directions it is the normal of the smooth surfaces, on the line between their centres of curvature.
     pub normal: Vec3,
-    /// Signed distance from the first anchor to the second along the normal, metres; negative where the bodies overlap.
+    /// Signed distance of the meshes along the normal, metres; negative where the bodies overlap. On a plane that of the
+    /// smooth surface.
     pub separation: f32,
-    /// Radius of curvature of each body's surface at its anchor, metres: 0 at a vertex or crease, infinite where the
-    /// surface is flat. As the body rotates, the solver keeps the anchor below the centre of curvature: the contact of
-    /// a rolling ball stays below its centre, and that of a corner rotates with the corner.
+    /// By how much the smooth surfaces are nearer to each other than `separation` tells, metres; 0 for other surfaces. The
+    /// solver keeps the smooth surfaces apart.
+    #[serde(default)]
+    pub bulge: f32,
+    /// Radius of curvature of each body's surface at its anchor, metres, in the direction in which the body rolls: 0 at a
+    /// vertex or crease, infinite where the surface is flat. As the body rotates, the solver keeps the anchor below the
+    /// centre of curvature: the contact of a rolling ball stays below its centre, and that of a corner rotates with the
+    /// corner.
     #[serde(with = "infinite_as_none")]
     pub curvature_radii: [f32; 2],
     /// Rotation of the normal per distance that the smooth surfaces slide along each other, rad/m, from the largest
@@ -201,10 +206,15 @@ impl ManifoldPoint {
         })
     }
 
+    /// Signed distance from the first anchor to the second along the normal, metres: that of the smooth surfaces.
+    pub(crate) fn gap(&self) -> f32 {
+        self.separation - self.bulge
+    }
+
     /// The reported form of the point; `center` is the first body's centre of mass.
     pub(crate) fn in_world(&self, center: Vec3, impulse: f32) -> ContactPoint {
         ContactPoint {
-            point: center + self.anchors[0] + self.normal * (0.5 * self.separation),
+            point: center + self.anchors[0] + self.normal * (0.5 * self.gap()),
             normal: self.normal,
             separation: self.separation,
             impulse,

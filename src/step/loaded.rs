@@ -142,7 +142,7 @@ fn check_manifolds(manifolds: &Manifolds, count: u32, planes: u32) -> Result<(),
     }
     let is_finite = |point: &ManifoldPoint| {
         let vectors = [point.anchors[0], point.anchors[1], point.normal];
-        let numbers = [point.separation, point.normal_rotation];
+        let numbers = [point.separation, point.bulge, point.normal_rotation];
         vectors.iter().all(|vector| vector.is_finite())
             && numbers.iter().all(|number| number.is_finite())
             // A flat surface has an infinite radius.

@@ -271,6 +271,7 @@ impl From<&ContactPoint> for ManifoldPoint {
             anchors: [Vec3::from(point.anchor_a), Vec3::from(point.anchor_b)],
             normal: Vec3::from(point.normal),
             separation: point.separation,
+            bulge: point.bulge,
             curvature_radii: [radius(point.curvature_radius_a), radius(point.curvature_radius_b)],
             normal_rotation: point.normal_rotation,
             faces: [point.face_a, point.face_b],

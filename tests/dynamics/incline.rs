@@ -135,3 +135,10 @@ fn balls_roll_down_a_half_space() {
         assert!(rolling_error(degrees, true, 6).abs() < 0.03);
     }
 }
+
+#[test]
+fn the_acceleration_of_rolling_balls_is_five_sevenths_within_a_percent() {
+    for half_space in [false, true] {
+        assert!(rolling_error(10.0, half_space, 3).abs() < 0.01);
+    }
+}

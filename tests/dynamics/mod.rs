@@ -17,6 +17,7 @@ mod planes;
 mod pour;
 mod rest;
 mod rims;
+mod rolling;
 mod same_bits;
 mod small_games;
 mod spin;

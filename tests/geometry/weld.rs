@@ -2,7 +2,7 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::asset::format::{from_bytes, to_bytes};
-use bevy_faceoff::geometry::features::{MeshFeatures, NONE};
+use bevy_faceoff::geometry::features::{MeshFeatures, NONE, Roundness};
 use bevy_faceoff::geometry::{MassProperties, OneSided, Orientation, TriMesh, shapes};
 use bevy_faceoff::projection::{BakeSettings, Inward, Progress};
 use glam::Vec3;
@@ -98,7 +98,7 @@ fn slivers_that_collapse_leave_no_hole() {
         assert!(*owned == 0 || (a != b && b != c && c != a));
     }
     assert!(features.vertex_normals.iter().all(|n| n.is_finite()));
-    assert!(features.vertex_curvature_radii.iter().all(|r| *r == 0.0));
+    assert!(features.roundness.iter().all(|round| *round == Roundness::Corner));
 }
 
 /// Joining corners takes faces from an edge two at a time.

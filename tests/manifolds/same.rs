@@ -111,6 +111,7 @@ fn the_order_of_bodies_only_turns_normals() {
                 normal: -p.normal,
                 separation: p.separation,
                 curvature_radii: [p.curvature_radii[1], p.curvature_radii[0]],
+                bulge: p.bulge,
                 normal_rotation: p.normal_rotation,
                 faces: [p.faces[1], p.faces[0]],
             })

@@ -172,6 +172,7 @@ pub fn invalid_input_is_ignored() {
         normal,
         separation,
         curvature_radii: [0.0, f32::INFINITY],
+        bulge: 0.0,
         normal_rotation: 0.0,
         faces: [0, 0],
     };

@@ -70,6 +70,7 @@ pub fn contact(shapes: [Shape; 2], motions: [&SolverMotion; 2], margin: f64) -> 
             normal: t.normal.as_vec3().normalize(),
             separation: (t.on_b - t.on_a).dot(t.normal) as f32,
             curvature_radii: round(shapes),
+            bulge: 0.0,
             normal_rotation: turn(shapes, t),
             faces: [0, 0],
         })

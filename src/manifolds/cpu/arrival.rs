@@ -59,7 +59,7 @@ impl<'a> Arrival<'a> {
             return true;
         }
         let at = match feature.origin {
-            Origin::Vertex { side, .. } => feature.points[usize::from(side)],
+            Origin::Vertex { side, .. } | Origin::VertexEdge { side, .. } => feature.points[usize::from(side)],
             _ => feature.middle(),
         };
         let way = self.way(at);
@@ -85,6 +85,11 @@ impl<'a> Arrival<'a> {
         match feature.origin {
             Origin::Vertex { side, .. } => self.vertex_arrives(feature, usize::from(side), way, left, error),
             Origin::Edges(edges) => self.edges_cross(feature, edges, way, left, error),
+            Origin::VertexEdge { side, .. } => {
+                let side = usize::from(side);
+                self.is_on(1 - side, feature.points[side] + relative(side, way), left, error)
+            }
+            Origin::Vertices(_) => self.is_on(0, feature.points[1] + way, left, error),
             Origin::Patch { .. } | Origin::Inside => true,
         }
     }
@@ -111,7 +116,7 @@ impl<'a> Arrival<'a> {
     /// Whether a vertex of `side` arrives on the other side's surface.
     fn vertex_arrives(&mut self, feature: &Feature, side: usize, way: DVec3, left: f64, error: f64) -> bool {
         let other = 1 - side;
-        let place = feature.points[side] + self.relative(side, way);
+        let place = feature.points[side] + relative(side, way);
         let over = self.pair.sides[other].triangle(feature.triangles[other]);
         let foot = place - over.normal * over.normal.dot(place - over.corners[0]);
         let inside = (0..3).all(|i| {
@@ -140,11 +145,6 @@ impl<'a> Arrival<'a> {
         place.is_finite() && self.is_on(0, place, left, error) && self.is_on(1, place - way, left, error)
     }
 
-    /// How a body's point moves, in the axes of the other.
-    fn relative(&self, side: usize, way: DVec3) -> DVec3 {
-        if side == 1 { way } else { -way }
-    }
-
     /// Whether a point lies on a side's surface, or no farther above it than is `left` of the gap.
     fn is_on(&mut self, side: usize, p: DVec3, left: f64, error: f64) -> bool {
         let tolerance = TOLERANCE * self.motion.rest_offset;
@@ -154,6 +154,11 @@ impl<'a> Arrival<'a> {
         self.searches -= 1;
         is_near(&self.pair.sides[side], p, left + tolerance)
     }
+}
+
+/// How a body's point moves, in the axes of the other.
+fn relative(side: usize, way: DVec3) -> DVec3 {
+    if side == 1 { way } else { -way }
 }
 
 /// Where an edge of a triangle begins, and its direction.

@@ -14,7 +14,7 @@ use super::search::Wanted;
 use super::shares::Shares;
 use super::side::{Side, sides};
 use super::smooth;
-use crate::manifolds::ManifoldPoint;
+use crate::manifolds::{MAX_POINTS, ManifoldPoint};
 use crate::state::PlacedMesh;
 use glam::{DMat3, DVec3};
 use std::array;
@@ -32,6 +32,9 @@ pub(crate) const RAY_LENGTH: f64 = 1.0;
 pub(crate) const MIN_PROBED_AREA: f64 = 1.0e-6;
 /// Upper bound of the depth of such a patch, in units of the size.
 pub(crate) const SHALLOW: f64 = 0.002;
+
+/// Points of smooth surfaces are one if they are closer than this, in units of the size, and their normals too.
+pub(crate) const SAME_CONTACT: f64 = 1.0e-3;
 
 /// The `place` of a point that stands for a patch without ray hits; those of rays in the patch are smaller.
 const MIDDLE: u8 = 5;
@@ -322,6 +325,15 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64, number: u32) -> Optio
     })
 }
 
+/// A contact point of a pair, in world axes.
+pub struct PairPoint {
+    pub point: ManifoldPoint,
+    /// From the centres of mass to the points on the meshes, inside of the smooth surfaces.
+    pub on_meshes: [DVec3; 2],
+    /// It stands for a smooth surface that touches elsewhere.
+    pub elsewhere: bool,
+}
+
 /// A pair of bodies in the axes of the first.
 pub struct Pair<'a> {
     pub sides: [Side<'a>; 2],
@@ -361,21 +373,53 @@ impl<'a> Pair<'a> {
         self.rotation.transpose() * v
     }
 
-    /// The manifold point of a feature, and its anchors in double precision.
-    pub fn point(&self, feature: &Feature) -> (ManifoldPoint, [DVec3; 2]) {
-        let curvature_radii = [0, 1].map(|side| self.curvature_radius(feature, side));
-        let smoothed = smooth::smoothed(&self.sides, feature, curvature_radii.map(f64::from));
+    /// The manifold point of a feature. The second body rotates with `spin` relative to the first, in world axes.
+    pub fn point(&self, feature: &Feature, spin: DVec3) -> PairPoint {
+        let face_radii = [0, 1].map(|side| f64::from(self.curvature_radius(feature, side)));
+        let spin = self.rotation.transpose() * spin;
+        let smoothed = smooth::smoothed(&self.sides, feature, face_radii, spin);
         let [a, b] = [0, 1].map(|i| feature.points[i] + smoothed.slides[i]);
-        let anchors = [a, b - self.sides[1].center].map(|anchor| self.rotation * anchor);
-        let point = ManifoldPoint {
-            anchors: anchors.map(|anchor| anchor.as_vec3()),
-            normal: (self.rotation * smoothed.normal).normalize().as_vec3(),
-            separation: feature.separation as f32,
-            curvature_radii,
-            normal_rotation: smoothed.normal_rotation as f32,
-            faces: [0, 1].map(|i| self.sides[i].face(feature.triangles[i])),
-        };
-        (point, anchors)
+        let on_meshes = [a, b - self.sides[1].center].map(|anchor| self.rotation * anchor);
+        let normal = (self.rotation * smoothed.normal).normalize();
+        let [bulge_a, bulge_b] = smoothed.bulges;
+        let anchors = [on_meshes[0] + normal * bulge_a, on_meshes[1] - normal * bulge_b];
+        PairPoint {
+            point: ManifoldPoint {
+                anchors: anchors.map(|anchor| anchor.as_vec3()),
+                normal: normal.as_vec3(),
+                separation: feature.separation as f32,
+                bulge: (bulge_a + bulge_b) as f32,
+                curvature_radii: smoothed.radii.map(|radius| radius as f32),
+                normal_rotation: smoothed.normal_rotation as f32,
+                faces: [0, 1].map(|i| self.sides[i].face(feature.triangles[i])),
+            },
+            on_meshes,
+            elsewhere: smoothed.elsewhere,
+        }
+    }
+
+    /// Adds the manifold points of reduced features, of which the first is the deepest. Smooth surfaces have one point
+    /// where they touch, not one of each vertex nearby.
+    pub fn add_points(&self, chosen: &[Feature], spin: DVec3, mut add: impl FnMut(ManifoldPoint)) {
+        let mut added = arrayvec::ArrayVec::<ManifoldPoint, MAX_POINTS>::new();
+        let close = (SAME_CONTACT * self.size) as f32;
+        for PairPoint { point, elsewhere, .. } in chosen.iter().map(|feature| self.point(feature, spin)) {
+            let is_same = |other: &ManifoldPoint| {
+                other.normal.distance(point.normal) < SAME_CONTACT as f32
+                    && other.anchors[0].distance(point.anchors[0]) < close
+            };
+            let is_round = point
+                .curvature_radii
+                .iter()
+                .any(|radius| *radius > 0.0 && radius.is_finite());
+            if !elsewhere && !(is_round && added.iter().any(is_same)) {
+                added.push(point);
+                add(point);
+            }
+        }
+        if let Some(deepest) = chosen.first().filter(|_| added.is_empty()) {
+            add(self.point(deepest, spin).point);
+        }
     }
 
     /// Radius of curvature of one body's surface at the feature.

@@ -1,7 +1,7 @@
 //! Contact points of bodies on planes: a few vertices, the lowest and widely spread. A finely tessellated curved
 //! surface touches with its smooth surface.
 
-use super::smooth;
+use super::smooth::{AtVertex, RoundVertex};
 use crate::geometry::cluster::CLUSTER;
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::in_order::InOrder;
@@ -14,7 +14,7 @@ use crate::state::margins::{SAFETY, sway};
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig};
 use crate::types::body::RigidBody;
-use glam::Vec3;
+use glam::{DMat3, DVec3, Vec3};
 
 /// Maximum number of points of a body and a plane.
 pub const MAX_POINTS: usize = 8;
@@ -35,12 +35,17 @@ pub struct Scratch {
 
 /// A vertex that may reach the plane.
 struct LowVertex {
+    /// That of the smooth surface for which it stands.
     separation: f32,
     /// The squared distance to the nearest selected vertex.
     apart: f32,
-    /// Relative to the centre of mass, in the mesh's axes.
+    /// Where it touches, relative to the centre of mass, in the mesh's axes. Vertices of a cube are exactly as far from each
+    /// other there as others, so that ties are decided by their order.
     position: Vec3,
-    number: u32,
+    /// The same in the world's axes.
+    anchor: DVec3,
+    /// Of the surface in the direction in which it rolls; 0 at a corner.
+    curvature_radius: f32,
 }
 
 /// Bodies per task.
@@ -129,36 +134,66 @@ fn manifold(
         let lowest = dot(center, direction) - dot(half, size);
         bitmask(lowest.simd_lt(limit))
     };
-    let lanes = &meshes[bodies.mesh[body]].lanes;
+    let slot = &meshes[bodies.mesh[body]];
+    let lanes = &slot.lanes;
+    let placement = frame.rotation * DMat3::from_diagonal(frame.scale);
+    let spin = bodies.angular_velocity[body].as_dvec3();
     vertices.clear();
+    // The lowest of those that stand for a surface that touches elsewhere.
+    let mut lowest: Option<LowVertex> = None;
     visit(&lanes.vertex_levels, reaches, |group| {
         let (eight, held) = &lanes.vertices[group as usize];
         let heights = dot(load_points(simd, eight), direction);
         for lane in bits(*held) {
             let separation = heights[lane] + height;
-            if separation < margin {
-                vertices.push(LowVertex {
-                    separation,
-                    apart: f32::INFINITY,
-                    position: lane_of(eight, lane),
-                    number: group * CLUSTER as u32 + lane as u32,
-                });
+            if separation >= margin {
+                continue;
+            }
+            let number = group as usize * CLUSTER + lane;
+            let position = lane_of(eight, lane);
+            let anchor = placement * position.as_dvec3();
+            let mut vertex = LowVertex {
+                separation,
+                apart: f32::INFINITY,
+                position,
+                anchor,
+                curvature_radius: 0.0,
+            };
+            let features = &slot.features;
+            let own_normal = frame.rotation * (features.vertex_normals[number].as_dvec3() / frame.scale);
+            let round = RoundVertex::new(&features.roundness[number], &placement, own_normal, frame.scale);
+            match round.map_or(AtVertex::Corner, |round| round.contact(-normal, spin)) {
+                AtVertex::Corner => vertices.push(vertex),
+                AtVertex::Round(contact) => {
+                    let way = contact.slide - normal * contact.bulge;
+                    vertex.separation -= contact.bulge as f32;
+                    vertex.position += (frame.rotation.transpose() * way / frame.scale).as_vec3();
+                    vertex.anchor += way;
+                    vertex.curvature_radius = contact.radius as f32;
+                    vertices.push(vertex);
+                }
+                AtVertex::Elsewhere => {
+                    if lowest.as_ref().is_none_or(|lowest| separation < lowest.separation) {
+                        lowest = Some(vertex);
+                    }
+                }
             }
         }
         true
     });
-    let scale = frame.scale.as_vec3();
-    let chosen = choose(vertices, scale, 2.0 * LEVEL * radius);
+    if vertices.is_empty() {
+        vertices.extend(lowest);
+    }
+    let chosen = choose(vertices, frame.scale.as_vec3(), 2.0 * LEVEL * radius);
     if chosen[0] == usize::MAX {
         return None;
     }
-    let features = &meshes[bodies.mesh[body]].features;
-    let size = f64::from(scale.abs().element_sum() / 3.0);
     let center = normal * plane.distance as f64;
     let none = ManifoldPoint {
         anchors: [Vec3::ZERO; 2],
         normal: -plane.normal,
         separation: 0.0,
+        bulge: 0.0,
         curvature_radii: [0.0, f32::INFINITY],
         normal_rotation: 0.0,
         faces: [NO_FACE; 2],
@@ -168,23 +203,15 @@ fn manifold(
     for &i in chosen.iter().take_while(|&&i| i != usize::MAX) {
         let LowVertex {
             separation,
-            position,
-            number,
+            anchor,
+            curvature_radius,
             ..
         } = vertices[i];
-        let anchor = frame.rotation * (frame.scale * position.as_dvec3());
-        let curvature_radius = f64::from(features.vertex_curvature_radii[number as usize]) * size;
-        let own_normal = frame.rotation * (features.vertex_normals[number as usize].as_dvec3() / frame.scale);
-        // Other vertices are corners, whose anchor rotates with the body.
-        let (anchor, curvature_radius) = match smooth::slide_of_vertex(own_normal, anchor, -normal, curvature_radius) {
-            Some(slide) => (anchor + slide, curvature_radius),
-            None => (anchor, 0.0),
-        };
         let foot = frame.center + anchor - normal * separation as f64;
         let point = ManifoldPoint {
             anchors: [anchor.as_vec3(), (foot - center).as_vec3()],
             separation,
-            curvature_radii: [curvature_radius as f32, f32::INFINITY],
+            curvature_radii: [curvature_radius, f32::INFINITY],
             ..none
         };
         points[count] = point.shifted([frame.offset().as_vec3(), Vec3::ZERO]);

@@ -1,6 +1,7 @@
 //! One body of a pair, placed in the axes of the pair's first body.
 
 use super::feature::ARC;
+use super::smooth::RoundVertex;
 use crate::asset::CollisionMesh;
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::simd::lanes::{Simd, SimdBase, SimdFrom, each, each_lane, f32x8, splat};
@@ -239,6 +240,12 @@ impl Side<'_> {
     /// Normal of the smooth surface at a vertex, of any length; zero if it has none.
     pub fn smooth_normal(&self, vertex: u32) -> DVec3 {
         self.normal_matrix * self.features.vertex_normals[vertex as usize].as_dvec3()
+    }
+
+    /// The smooth surface around a vertex; `None` at a corner.
+    pub fn round_vertex(&self, vertex: u32) -> Option<RoundVertex> {
+        let round = &self.features.roundness[vertex as usize];
+        RoundVertex::new(round, &self.matrix, self.smooth_normal(vertex), self.scale.as_dvec3())
     }
 
     /// Lower bound of the surface's curvature in all directions at a triangle, 1/m; 0 if it is not convex in all

@@ -50,6 +50,7 @@ pub use batches::BatchSize;
 pub use buffers::{ContactBuffers, ContactCapacity, ContactScratch};
 
 use super::cpu::{contour, feature, pair, planes, precision, side, smooth};
+use crate::geometry::features::MIN_TURN;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
@@ -116,7 +117,10 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 RAY_LENGTH = pair::RAY_LENGTH;
     f32 MIN_PROBED_AREA = pair::MIN_PROBED_AREA;
     f32 SHALLOW = pair::SHALLOW;
+    f32 SAME_CONTACT = pair::SAME_CONTACT;
     f32 SMOOTH = smooth::SMOOTH;
+    f32 SMOOTH_PAIR = smooth::SMOOTH_PAIR;
+    f32 MIN_TURN = MIN_TURN;
     f32 LEVEL = planes::LEVEL;
     f32 MARGIN = planes::MARGIN;
 });

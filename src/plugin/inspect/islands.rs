@@ -66,7 +66,7 @@ impl IslandFinder<'_, '_> {
                 continue;
             };
             let distance = TOUCH * settings.rest_offset * 2.0 * r.min(s);
-            if points.iter().any(|point| point.separation <= distance) {
+            if points.iter().any(|point| point.gap() <= distance) {
                 sets.join(i as u32, j as u32);
                 links.push([a, b]);
             }

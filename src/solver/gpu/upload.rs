@@ -199,6 +199,7 @@ pub fn contact_point(point: &ManifoldPoint) -> ContactPoint {
     ContactPoint {
         anchor_a: point.anchors[0].to_array(),
         separation: point.separation,
+        bulge: point.bulge,
         anchor_b: point.anchors[1].to_array(),
         curvature_radius_a: length(point.curvature_radii[0]),
         normal: point.normal.to_array(),

@@ -26,6 +26,9 @@ mod pour;
 mod reach;
 #[path = "../../dynamics/rest.rs"]
 mod rest;
+#[path = "../../dynamics/rolling.rs"]
+#[allow(dead_code, unused_imports)]
+mod rolling;
 #[path = "../../dynamics/same_bits.rs"]
 mod same_bits;
 mod sleep;
@@ -82,6 +85,8 @@ pub const TESTS: &[Test] = &tests! {
     a_box_slides_above_the_angle_of_friction: incline::slides(35.0);
     a_ball_rolls_down_a_mesh: assert!(incline::rolling_error(10.0, false, 1).abs() < 0.03);
     a_ball_rolls_down_a_half_space: assert!(incline::rolling_error(10.0, true, 1).abs() < 0.03);
+    what_rolls_on_a_mesh_keeps_its_speed: rolling::keep_their_speed(rolling::Ground::Block, 48);
+    what_rolls_on_a_half_space_keeps_its_speed: rolling::keep_their_speed(rolling::Ground::HalfSpace, 48);
     a_squeezed_knot_keeps_angular_momentum_and_energy: spin::keeps_turning(Vec3::new(6.0, 0.5, 6.0), 5);
     a_knot_that_spins_about_its_middle_axis_flips: assert!(spin::flips(spin::axes()[1], 12) >= 1);
     a_chain_of_four_hangs_is_shaken_and_holds: chain::hangs_and_is_shaken(4, [3, 2, 1]);

@@ -20,6 +20,7 @@ fn point(normal: Vec3, separation: f32) -> ManifoldPoint {
         normal,
         separation,
         curvature_radii: [0.0, f32::INFINITY],
+        bulge: 0.0,
         normal_rotation: 0.0,
         faces: [0, 0],
     }

@@ -155,6 +155,7 @@ fn web() -> World {
             normal: Vec3::Y,
             separation: 0.003,
             curvature_radii: [0.0; 2],
+            bulge: 0.0,
             normal_rotation: 0.0,
             faces: [0; 2],
         });
