@@ -30,7 +30,7 @@
 //! | piles of tori, of knots | fall asleep | on the CPU |
 //! | one of three equal supports is made kinematic | carries a third | on both |
 //! | a block is pulled from a tower | the tower stays | on the CPU |
-//! | a body in a press | overlaps both walls evenly, with finite impulses | on both |
+//! | a body in a press | overlaps both walls evenly, with finite impulses | on the CPU |
 //! | a pin in a hole with less play than the gap at rest | falls | on both |
 //! | an open sheet on a ball | comes to rest | on neither: it rocks |
 //!
@@ -157,10 +157,8 @@ fn plays() -> Vec<Play> {
         Gpu broken_meshes::they_push_as_clean_ones_do;
         Gpu broken_meshes::they_contain_as_clean_ones_do;
         Gpu broken_meshes::a_box_without_a_lid_holds_balls;
-        Gpu slow_motion::a_cube_slides_where_friction_nearly_holds_it;
         Gpu slow_motion::what_touches_nothing_goes_on;
         Gpu supports::one_that_is_made_kinematic_carries_its_part;
-        Gpu press::a_ball_is_squeezed_evenly;
         Gpu tight_fit::a_pin_falls_through_its_hole;
         Gpu player::walks_and_respawns_as_told;
         Gpu player::walks_and_respawns_as_told_with_latent_results;
