@@ -56,7 +56,7 @@ fn moves(i: u32) -> bool {
     return length_of(motion_states[i].last_moved, motion_states[i].last_turned, extent) > FREE_CREEP * size_of(extent);
 }
 
-// Of which lengths are fractions, metres.
+// The size of which lengths are fractions, metres.
 fn size_of(extent: f32) -> f32 {
     return min(2.0 * extent, LARGEST);
 }

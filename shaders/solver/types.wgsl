@@ -73,7 +73,7 @@ struct SolverBody {
     body: u32,
     // Distance of the body's farthest point from its centre of mass.
     extent: f32,
-    // Of a kinematic body, if contacts moved it, 1/kg; 0 if it is not known.
+    // Inverse mass that a kinematic body would have if contacts moved it, 1/kg; 0 if it is not known.
     own_inverse_mass: f32,
     padding_a: u32,
     padding_b: u32,

@@ -74,7 +74,7 @@ pub(super) fn floats(sleep: &SleepState, body: &SolverBody) -> bool {
     sleep.last_way.length(body.extent) > FREE_CREEP * size(body)
 }
 
-/// Of which lengths are fractions, metres.
+/// The size of which lengths are fractions, metres.
 fn size(body: &SolverBody) -> f32 {
     (2.0 * body.extent).min(LARGEST)
 }

@@ -15,7 +15,7 @@ pub struct SolverBody {
     pub kind: RigidBody,
     /// 1/kg. A dynamic body whose value is not positive and finite moves as a kinematic one.
     pub inverse_mass: f32,
-    /// The same of a kinematic body if contacts moved it, 1/kg; 0 if it is not known, or static.
+    /// Inverse mass that a kinematic body would have if contacts moved it, 1/kg; 0 if it is not known, or static.
     pub own_inverse_mass: f32,
     /// In the body's own axes, 1/(kg m^2). Zero for bodies that no moment rotates.
     pub inverse_inertia: Mat3,
@@ -152,16 +152,16 @@ pub struct SleepState {
     pub neighbours: u32,
     /// How far it has gone since the present half of the sleep time began.
     pub way: Way,
-    /// The same of the half before.
+    /// How far it went in the half before.
     pub last_way: Way,
 }
 
 /// How far a body went and turned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Way {
-    /// Of the centre of mass, metres.
+    /// Way of the centre of mass, metres.
     pub moved: Vec3,
-    /// Radians about the axes of the world.
+    /// Rotation about the axes of the world, radians.
     pub turned: Vec3,
 }
 

@@ -51,7 +51,7 @@ pub struct Bodies {
     pub travel_time: Vec<f32>,
     /// Of the body, 1/kg; 0 for bodies that contacts cannot move.
     pub inverse_mass: Vec<f32>,
-    /// The same if contacts moved it, 1/kg; 0 for static bodies.
+    /// Inverse mass that the body would have if contacts moved it, 1/kg; 0 for static bodies.
     pub own_inverse_mass: Vec<f32>,
     /// Inverse inertia tensor in the body's own axes; zero for bodies that contacts cannot rotate. That of a body of
     /// several colliders is in its [`Compound`].

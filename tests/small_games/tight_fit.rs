@@ -46,7 +46,7 @@ pub fn a_pin_falls_through_its_hole(backend: Backend) {
     check("metres fallen", -game.position(pin).y, 1.15..=1.26);
 }
 
-/// The same hole inclined by 40 degrees: the pin slides on one side, and friction of 0.3 holds it by that side's load alone.
+/// A hole like it, inclined by 40 degrees: the pin slides on one side, and friction of 0.3 holds it by that side's load alone.
 pub fn a_pin_slides_in_an_inclined_hole(backend: Backend) {
     let mut game = Game::new(backend);
     let radius = 0.1;
