@@ -18,6 +18,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             motion_states[i].asleep = 0u;
             motion_states[i].rest_time = 0.0;
             motion_states[i].neighbours = 0u;
+            motion_states[i].moved = vec3(0.0);
+            motion_states[i].turned = vec3(0.0);
+            motion_states[i].last_moved = vec3(0.0);
+            motion_states[i].last_turned = vec3(0.0);
         }
     } else if !asleep && !disturbed && l::has_mass(solver_bodies[i]) {
         motion_states[i].asleep = 1u;

@@ -3,6 +3,7 @@
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, forces, collision_substep, motion_states, body_paces}
 #import faceoff::paces::travel_time
+#import faceoff::rest as r
 #import faceoff::solver_types as s
 #import faceoff::types as t
 #import faceoff::union_find::islands
@@ -24,14 +25,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             disturbed = speed != 0.0 || forced || kind != t::DYNAMIC || others;
         }
     } else {
-        let slow = speed < collision_substep.sleep_speed;
         let dt = travel_time(body_paces[i]);
-        let rest_time = select(0.0, motion_states[i].rest_time + dt, slow);
-        motion_states[i].rest_time = rest_time;
+        r::advance(i, speed, dt);
+        let rest_time = motion_states[i].rest_time;
         // If it woke in this collision substep it may have moved.
         let was_at_rest = rest_time > dt;
         let ready = asleep || (was_at_rest && rest_time >= collision_substep.sleep_time && !forced);
-        disturbed = disturbed && !ready;
+        let floats = atomicLoad(&islands[i].neighbours) == 0u && r::moves(i);
+        disturbed = disturbed && (!ready || floats);
     }
     if disturbed {
         l::disturb(i);

@@ -1,4 +1,5 @@
 // Solver: the constraint of each pair, and its saved pair of the last collision substep. One thread per pair.
+#import faceoff::constants::solver::{CORNER, SOFTEST}
 #import faceoff::dispatch::group_index
 #import faceoff::math::rotate
 #import faceoff::paces::paces
@@ -67,7 +68,14 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
     if (flags & (s::FIRST_HAS_MASS | s::SECOND_HAS_MASS)) == 0u {
         flags |= s::FROZEN;
     }
+    flags |= select(0u, s::DRIVEN, is_driven(a) || is_driven(b));
     (*pair).flags = flags;
+    (*pair).softness = 1.0;
+    if is_kinematic(a) && (second & s::HAS_MASS) != 0u {
+        (*pair).softness = softness_of(a, b);
+    } else if is_kinematic(b) && (first & s::HAS_MASS) != 0u {
+        (*pair).softness = softness_of(b, a);
+    }
     (*pair).pace = pace_of_pair(first, second);
     (*pair).substep = paces[(*pair).pace].h;
     let collider_a = (*pair).collider_a;
@@ -96,12 +104,30 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
     (*pair).center_offset = coarse + (motion_states[b].center_low - motion_states[a].center_low);
     (*pair).approach_velocity = motion_states[a].linear_velocity - motion_states[b].linear_velocity;
     (*pair).surface_speed = surface_speed_of(a) + surface_speed_of(b);
-    (*pair).mass_ratio = 1.0;
+    // A light kinematic body needs the exactness of a light dynamic one.
+    (*pair).mass_ratio = max(((*pair).softness - 1.0) / CORNER, 1.0);
     if (first & second & s::HAS_MASS) != 0u {
         let ratio = solver_bodies[a].inverse_mass / solver_bodies[b].inverse_mass;
         let larger = max(ratio, 1.0 / ratio);
         (*pair).mass_ratio = select(1.0, larger, finite(larger));
     }
+}
+
+fn is_kinematic(i: u32) -> bool {
+    return (solver_bodies[i].flags & t::KIND_MASK) == t::KINEMATIC;
+}
+
+// Whether it is kinematic and moves.
+fn is_driven(i: u32) -> bool {
+    let none = vec3(0.0);
+    return is_kinematic(i)
+        && (any(motion_states[i].linear_velocity != none) || any(motion_states[i].angular_velocity != none));
+}
+
+// The twin of `beside_kinematic` in `src/solver/softness.rs`.
+fn softness_of(kinematic: u32, other: u32) -> f32 {
+    let softness = 1.0 + CORNER * solver_bodies[kinematic].own_inverse_mass / solver_bodies[other].inverse_mass;
+    return select(1.0, clamp(softness, 1.0, SOFTEST), finite(softness));
 }
 
 // The number of the pace of a pair, by the flags of its bodies. Bodies that meet nearly always have the same: others meet only

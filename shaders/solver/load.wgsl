@@ -2,7 +2,7 @@
 
 // How many substeps an island needs so that its contact springs hold their loads. The twin of `src/solver/load.rs`.
 
-#import faceoff::constants::solver::{MAX_COMPRESSION, MAX_FACTOR, MAX_STRESS, POINT_BUDGET}
+#import faceoff::constants::solver::{MAX_COMPRESSION, MAX_FACTOR, MAX_STRESS, POINT_BUDGET, SQUEEZED}
 #import faceoff::contact::{body_states, collision_substep, point_states}
 #import faceoff::math::max_component
 #import faceoff::solver_types as s
@@ -16,10 +16,14 @@ fn compression(pair: s::SolverPair, pace: s::Pace) -> f32 {
     let most_impulse = MAX_STRESS * length(transmitted_impulse(pair));
     let inverse_mass_a = max_component(body_states[pair.a].mass.inverse_mass);
     let inverse_mass_b = max_component(body_states[pair.b].mass.inverse_mass);
+    let is_held = inverse_mass_a == 0.0 || inverse_mass_b == 0.0;
     var most = 0.0;
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         if (point_states[k].flags & s::POINT_VALID) == 0u {
             continue;
+        }
+        if is_held && point_states[k].separation < -SQUEEZED * pair.diameter {
+            return 0.0;
         }
         // Acceleration of the bodies by the load.
         var load = 0.0;
@@ -34,7 +38,7 @@ fn compression(pair: s::SolverPair, pace: s::Pace) -> f32 {
                 load = abs(down) / upper * (inverse_mass_a + inverse_mass_b);
             }
         }
-        most = max(most, load / (pace.stiffness * MAX_COMPRESSION * pair.diameter));
+        most = max(most, load * pair.softness / (pace.stiffness * MAX_COMPRESSION * pair.diameter));
     }
     return most;
 }

@@ -72,20 +72,47 @@ fn bias_of(pair: s::SolverPair, k: u32, parameters: Pass) -> Bias {
     if parameters.purpose == RESTITUTION && (point_states[k].flags & s::REBOUNDS) != 0u {
         return Bias(pair.restitution * point_states[k].impact_velocity, 1.0, 0.0);
     }
+    let spring = spring_of(parameters, pair.softness);
+    var rigid = Bias(0.0, 1.0, 0.0);
+    if (pair.flags & s::DRIVEN) != 0u && parameters.purpose != RESTITUTION {
+        // Where a kinematic body moves, no constraint is rigid. A body that it squeezes against another one has no velocity
+        // that satisfies both contacts, and rigid constraints would push from both sides, with impulses that grow in each
+        // pass.
+        rigid = spring_of(parameters, 1.0);
+    }
     if separation > 0.0 {
         // Speculative contact: the gap may close by the end of the substep, and no sooner.
-        return Bias(separation / parameters.h, 1.0, 0.0);
+        rigid.speed = separation / parameters.h;
+        return rigid;
     }
     if parameters.purpose != BIAS {
-        return Bias(0.0, 1.0, 0.0);
+        return rigid;
     }
     let spring_speed = parameters.bias_rate * separation;
     if (pair.flags & s::DEPENETRATING) != 0u {
         // Near the surface the bias falls below the maximum, to that of the contact spring of other pairs.
-        return Bias(max(spring_speed, -collision_substep.deep_depenetration_speed), 1.0, 0.0);
+        rigid.speed = max(spring_speed, -collision_substep.deep_depenetration_speed);
+        return rigid;
     }
-    let speed = max(spring_speed, -collision_substep.max_depenetration_speed);
-    return Bias(speed, parameters.mass_scale, parameters.impulse_scale);
+    let fastest = -collision_substep.max_depenetration_speed;
+    if spring_speed < fastest {
+        // The force goes on growing with the depth. So a body that is squeezed between two others overlaps both equally.
+        let fraction = fastest / spring_speed;
+        var deep = spring_of(parameters, (1.0 + (pair.softness - 1.0) * fraction) * fraction);
+        deep.speed = fastest;
+        return deep;
+    }
+    return Bias(spring_speed, spring.mass_scale, spring.impulse_scale);
+}
+
+// The contact spring that is so many times as soft.
+fn spring_of(parameters: Pass, softness: f32) -> Bias {
+    if softness == 1.0 {
+        return Bias(0.0, parameters.mass_scale, parameters.impulse_scale);
+    }
+    let softer = softness * parameters.impulse_scale;
+    let sum = parameters.mass_scale + softer;
+    return Bias(0.0, parameters.mass_scale / sum, softer / sum);
 }
 
 // Sets what passes over a pair aim at, after separations and effective masses have changed. `begin_substep` has set the

@@ -73,9 +73,10 @@ struct SolverBody {
     body: u32,
     // Distance of the body's farthest point from its centre of mass.
     extent: f32,
+    // Inverse mass that a kinematic body would have if contacts moved it, 1/kg; 0 if it is not known.
+    own_inverse_mass: f32,
     padding_a: u32,
     padding_b: u32,
-    padding_c: u32,
 }
 
 // Lengths from here on count as infinite.
@@ -88,7 +89,7 @@ struct MotionState {
     // Not 0: the body sleeps. A static or kinematic body has `CHANGED` until it has woken others.
     asleep: u32,
     center_low: vec3<f32>,
-    // How long it has been slow, seconds.
+    // How long it has been at rest, seconds.
     rest_time: f32,
     rotation: vec4<f32>,
     rotation_low: vec4<f32>,
@@ -98,6 +99,15 @@ struct MotionState {
     angular_velocity: vec3<f32>,
     // A hash of the body's key.
     key: u32,
+    // How far it went and turned in the present half of the sleep time, and in the half before.
+    moved: vec3<f32>,
+    padding_a: u32,
+    turned: vec3<f32>,
+    padding_b: u32,
+    last_moved: vec3<f32>,
+    padding_c: u32,
+    last_turned: vec3<f32>,
+    padding_d: u32,
 }
 
 // External forces and impulses.
@@ -219,7 +229,8 @@ struct SolverPair {
     collider_a: u32,
     offset_b: vec3<f32>,
     collider_b: u32,
-    // The mass of the heavier body over that of the lighter one, if impulses move both; 1 otherwise.
+    // The mass of the heavier body over that of the lighter one, if impulses move both, or if the lighter one is kinematic; 1
+    // otherwise.
     mass_ratio: f32,
     // Pairs of one island with the same colour have no body in common that impulses move.
     color: u32,
@@ -227,6 +238,11 @@ struct SolverPair {
     pace: u32,
     // Length of the substeps in which its impulses act, seconds.
     substep: f32,
+    // How much softer its contact spring is than that of a pair with a static body.
+    softness: f32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // Its numbers are valid. Its impulses are saved even if it is frozen.
@@ -242,6 +258,8 @@ const FIRST_HAS_MASS: u32 = 32u;
 const SECOND_HAS_MASS: u32 = 64u;
 // Neither body moves: the pair keeps its impulses.
 const KEPT: u32 = 128u;
+// One body is kinematic and moves.
+const DRIVEN: u32 = 256u;
 
 const NOT_SAVED: u32 = 0xffffffffu;
 

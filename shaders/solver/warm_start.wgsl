@@ -1,4 +1,5 @@
 // Solver: the points of every pair, with the saved impulses that match them. One thread per pair.
+#import faceoff::clearance as g
 #import faceoff::constants::warm_start::{MAX_IMPULSE_SCALE, MAX_MATCHED}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, conjugate, rotate, tangent}
@@ -91,11 +92,16 @@ fn clear_point(k: u32) {
 }
 
 fn fill(pair: s::SolverPair) {
+    let may_be_tight = g::may_be_tight(pair);
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         let contact = contact_points[k];
         let conflicts = contact.separation < 0.0 && dot(contact.normal, pair.separating_direction) < 0.0;
         if !conflicts && is_valid(contact) {
-            point_constants[k] = point_constants_of(pair, contact);
+            var rest_offset = pair.rest_offset;
+            if may_be_tight {
+                rest_offset = g::rest_offset(pair, contact);
+            }
+            point_constants[k] = point_constants_of(pair, contact, rest_offset);
             point_states[k].normal = contact.normal;
             point_states[k].flags = s::POINT_VALID;
         }
@@ -180,7 +186,7 @@ fn is_valid(contact: t::ContactPoint) -> bool {
         && finite_vector(contact.anchor_b);
 }
 
-fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint) -> s::PointConstants {
+fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint, rest_offset: f32) -> s::PointConstants {
     var constants = default_constants();
     constants.anchor_a = contact.anchor_a;
     constants.anchor_b = contact.anchor_b;
@@ -190,7 +196,7 @@ fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint) -> s::Point
     constants.anchor_offset = pair.center_offset + (contact.anchor_b - contact.anchor_a);
     constants.initial_normal = contact.normal;
     constants.normal_rotation = contact.normal_rotation;
-    constants.initial_separation = contact.separation - contact.bulge - pair.rest_offset;
+    constants.initial_separation = contact.separation - contact.bulge - rest_offset;
     // Impulses act on the sharper body: 0 is the first, 1 the second.
     let sum = contact.curvature_radius_a + contact.curvature_radius_b;
     if finite(sum) && sum > 0.0 {

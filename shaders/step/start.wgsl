@@ -50,6 +50,10 @@ fn state_at_start(host: s::MotionState, known: s::MotionState, start: Start) -> 
     } else if goes_on(start) && (known.asleep == 0u || is_at_rest(start)) {
         state.asleep = known.asleep;
         state.rest_time = known.rest_time;
+        state.moved = known.moved;
+        state.turned = known.turned;
+        state.last_moved = known.last_moved;
+        state.last_turned = known.last_turned;
         state.neighbours = known.neighbours;
     }
     return state;

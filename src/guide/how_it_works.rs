@@ -197,8 +197,8 @@
 //! * **Friction** stays within Coulomb's cone. In a flat patch it acts over the area and not at the corners.
 //! * **Impacts** are resolved in the substep in which they happen, for all contacts of the island at once.
 //! * A pair that overlaps deeply when it first meets is pushed apart along the line of centres.
-//! * **Sleep.** An island whose bodies have all been slow for half a second falls asleep: it costs next to nothing, and
-//!   keeps its contact points. A velocity, a force, an awake body that comes near, or a support that goes wakes the whole
+//! * **Sleep.** An island whose bodies have all gone nowhere for half a second falls asleep: it costs next to nothing, and
+//!   keeps its contact points. Slow motion that goes on does not count as rest. A velocity, a force, an awake body that comes near, or a support that goes wakes the whole
 //!   island.
 //!
 //! [`SolverSettings`](crate::types::solver_settings::SolverSettings) has the numbers. With

@@ -126,6 +126,7 @@ fn build_schedule(schedule: &mut Schedule) {
                 .ambiguous_with_all(),
             (
                 (publish::use_up_impulses, publish::use_up_teleports),
+                publish::show_driven,
                 publish::find_written,
                 publish::write_back,
                 publish::publish,

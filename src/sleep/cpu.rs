@@ -1,8 +1,9 @@
 //! Sleep on the CPU: islands of bodies at rest, found by union-find over touching pairs.
 
+use super::rest::{self, speed};
 use crate::geometry::union_find::UnionFind;
 use crate::solver::CollisionSubstep;
-use crate::solver::bodies::{SolverBodies, SolverBody, SolverMotion};
+use crate::solver::bodies::SolverBodies;
 use crate::state::inactive::InactiveBodies;
 use crate::state::{Manifold, ManifoldPoint, Manifolds};
 use crate::types::body::RigidBody;
@@ -105,8 +106,9 @@ impl Sleeper {
     /// Advances the rest times by a collision substep of `dt` seconds, and puts islands to sleep whose bodies all have
     /// been at rest for [`SolverSettings::sleep_time`].
     ///
-    /// A body is at rest if it is slow and overlaps nothing. Speed alone is not enough, because the relax passes remove
-    /// the velocity with which the bias passes push bodies apart. A body that was not at rest before this collision substep,
+    /// A body is at rest if it goes nowhere, as `rest` tells, and overlaps nothing. Its velocity alone is not enough, because
+    /// the relax passes remove the velocity with which the bias passes push bodies apart. What touches nothing is at rest
+    /// only if it does not move at all. A body that was not at rest before this collision substep,
     /// such as one that woke in it, stays awake until the next: it may have moved, so its contact points must be found anew.
     pub fn settle(&mut self, bodies: &mut SolverBodies, manifolds: &Manifolds, settings: &SolverSettings, dt: f32) {
         self.settle_each(bodies, manifolds, settings, |_| dt);
@@ -125,8 +127,7 @@ impl Sleeper {
         }
         let states = bodies.sleep.iter_mut().zip(&bodies.bodies).zip(&bodies.motions);
         for (i, ((sleep, body), motion)) in states.enumerate() {
-            let slow = speed(body, motion) < settings.sleep_speed;
-            sleep.rest_time = if slow { sleep.rest_time + dt(i) } else { 0.0 };
+            rest::advance(sleep, body, motion, dt(i), settings);
         }
         for pair in &manifolds.pairs {
             if overlaps(bodies, manifolds, pair, settings) {
@@ -145,7 +146,9 @@ impl Sleeper {
         }
         self.find_islands(bodies, manifolds, settings);
         for i in 0..bodies.len() {
-            if bodies.bodies[i].kind == RigidBody::Dynamic && !ready(bodies, i) {
+            let body = &bodies.bodies[i];
+            let floats = || self.neighbours[i] == 0 && rest::floats(&bodies.sleep[i], body);
+            if body.kind == RigidBody::Dynamic && (!ready(bodies, i) || floats()) {
                 let root = self.islands.root(i as u32);
                 self.awake[root as usize] = true;
             }
@@ -305,11 +308,6 @@ fn points_of<'a>(manifolds: &'a Manifolds, pair: &Manifold) -> &'a [ManifoldPoin
 
 fn is_moving(bodies: &SolverBodies, i: usize) -> bool {
     speed(&bodies.bodies[i], &bodies.motions[i]) != 0.0
-}
-
-/// Speed of the fastest point of the body's bounding sphere.
-fn speed(body: &SolverBody, motion: &SolverMotion) -> f32 {
-    motion.linear_velocity.length() + motion.angular_velocity.length() * body.extent
 }
 
 /// Hash of a key (the finaliser of SplitMix64: Steele et al., "Fast Splittable Pseudorandom Number Generators", 2014).

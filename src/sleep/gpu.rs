@@ -1,6 +1,6 @@
 //! Sleep on the GPU: islands by parallel union-find.
 
-use super::cpu;
+use super::{cpu, rest};
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::program::Calls;
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
@@ -23,11 +23,16 @@ const WAKE_ALL: Kernel = kernel!("sleep/wake_all");
 const CONSTANTS: Module = shared_constants!("faceoff::constants::sleep", {
     f32 TOUCH = cpu::TOUCH;
     f32 OVERLAP = cpu::OVERLAP;
+    f32 CREEP = rest::CREEP;
+    f32 DRIFT = rest::DRIFT;
+    f32 FREE_CREEP = rest::FREE_CREEP;
+    f32 LONG_WATCH = rest::LONG_WATCH;
+    f32 LARGEST = rest::LARGEST;
 });
 
 /// The modules and kernels of sleep.
 pub const SHADERS: Shaders = Shaders {
-    modules: &[CONSTANTS, module!("sleep/islands")],
+    modules: &[CONSTANTS, module!("sleep/islands"), module!("sleep/rest")],
     kernels: &[&BEGIN, &JOIN, &BODIES, &PAIRS, &APPLY, &WAKE_ALL],
 };
 

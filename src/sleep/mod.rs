@@ -4,3 +4,4 @@ pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub(crate) mod inputs;
+mod rest;

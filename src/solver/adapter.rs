@@ -144,6 +144,7 @@ fn collider_of(bodies: &Bodies, i: usize) -> SolverBody {
     SolverBody {
         kind: bodies.kind[i],
         inverse_mass: bodies.inverse_mass[i],
+        own_inverse_mass: bodies.own_inverse_mass[i],
         inverse_inertia: bodies.local_inverse_inertia[i],
         radius: bodies.unpadded_radius[i],
         extent: bodies.unpadded_radius[i],

@@ -37,6 +37,12 @@ pub(super) struct Batch {
     pub diameter: Stored,
     /// See [`Pair::mass_ratio`].
     pub mass_ratio: Stored,
+    /// See [`Pair::softness`].
+    pub softness: Stored,
+    /// Lanes of pairs with another softness than 1.
+    pub softened: u32,
+    /// Lanes of pairs with a kinematic body that moves.
+    pub driven: u32,
     /// Lanes of pairs in deep penetration.
     pub depenetrating: u32,
     /// Lanes of pairs that bounce.
@@ -176,6 +182,9 @@ impl Batch {
         self.rest_offset.0[lane] = pair.rest_offset;
         self.diameter.0[lane] = pair.diameter;
         self.mass_ratio.0[lane] = pair.mass_ratio;
+        self.softness.0[lane] = pair.softness;
+        set(&mut self.softened, lane, pair.softness != 1.0);
+        set(&mut self.driven, lane, pair.driven);
         let bounces = pair.restitution > 0.0;
         set(&mut self.depenetrating, lane, pair.depenetrating);
         set(&mut self.elastic, lane, bounces && !pair.depenetrating);

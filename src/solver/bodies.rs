@@ -15,6 +15,8 @@ pub struct SolverBody {
     pub kind: RigidBody,
     /// 1/kg. A dynamic body whose value is not positive and finite moves as a kinematic one.
     pub inverse_mass: f32,
+    /// Inverse mass that a kinematic body would have if contacts moved it, 1/kg; 0 if it is not known, or static.
+    pub own_inverse_mass: f32,
     /// In the body's own axes, 1/(kg m^2). Zero for bodies that no moment rotates.
     pub inverse_inertia: Mat3,
     /// Radius of the collider's bounding sphere, metres.
@@ -55,6 +57,7 @@ impl SolverBody {
         Self {
             kind: RigidBody::Dynamic,
             inverse_mass: 1.0 / mass,
+            own_inverse_mass: 1.0 / mass,
             inverse_inertia: inertia.as_dmat3().inverse().as_mat3(),
             ..Self::immovable(RigidBody::Static, radius)
         }
@@ -65,6 +68,7 @@ impl SolverBody {
         Self {
             kind,
             inverse_mass: 0.0,
+            own_inverse_mass: 0.0,
             inverse_inertia: Mat3::ZERO,
             radius,
             extent: radius,
@@ -87,6 +91,12 @@ impl SolverBody {
     /// Whether it can move at all.
     pub(crate) fn moves(&self) -> bool {
         self.kind != RigidBody::Static
+    }
+
+    /// Whether it is kinematic and moves like this.
+    pub(super) fn is_driven(&self, motion: &SolverMotion) -> bool {
+        self.kind == RigidBody::Kinematic
+            && (motion.linear_velocity, motion.angular_velocity) != (Vec3::ZERO, Vec3::ZERO)
     }
 
     /// Whether forces and contacts move it.
@@ -135,10 +145,50 @@ impl SolverMotion {
 pub struct SleepState {
     /// Asleep: its velocity is zero and the solver treats it as static until it wakes.
     pub asleep: bool,
-    /// How long it has been slow, seconds.
+    /// How long it has been at rest, seconds. It grows no farther than it takes to tell that it is, and is negative where that
+    /// takes longer.
     pub rest_time: f32,
     /// The colliders that it touched when it fell asleep, as the sum of hashes of their keys.
     pub neighbours: u32,
+    /// How far it has gone since the present half of the sleep time began.
+    pub way: Way,
+    /// How far it went in the half before.
+    pub last_way: Way,
+}
+
+/// How far a body went and turned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Way {
+    /// Way of the centre of mass, metres.
+    pub moved: Vec3,
+    /// Rotation about the axes of the world, radians.
+    pub turned: Vec3,
+}
+
+impl Way {
+    /// How far some point of a body with this extent went, at most.
+    pub(crate) fn length(&self, extent: f32) -> f32 {
+        self.moved.length() + self.turned.length() * extent
+    }
+
+    pub(crate) fn minus(&self, other: &Self) -> Self {
+        Self {
+            moved: self.moved - other.moved,
+            turned: self.turned - other.turned,
+        }
+    }
+
+    pub(crate) fn times(&self, factor: f32) -> Self {
+        Self {
+            moved: self.moved * factor,
+            turned: self.turned * factor,
+        }
+    }
+
+    #[cfg(feature = "bevy")]
+    pub(crate) fn is_finite(&self) -> bool {
+        self.moved.is_finite() && self.turned.is_finite()
+    }
 }
 
 /// A collider of a body of several.

@@ -24,6 +24,9 @@ pub(super) const MAX_FACTOR: f32 = 16.0;
 /// The rest is stress between two bodies that are wedged in each other, which push both ways at different points. It moves
 /// nothing and can be any number. Levers, as a peg in a hole, count in full up to this ratio.
 pub(super) const MAX_STRESS: f32 = 10.0;
+/// A pair with an immovable body that overlaps by more than this fraction of D does not count: it was put there, or it is
+/// squeezed. Stiffer springs would squeeze it with more force, and move nothing.
+pub(super) const SQUEEZED: f32 = 0.01;
 /// Points times factor of an island.
 pub(super) const POINT_BUDGET: f32 = 2000.0;
 
@@ -75,6 +78,10 @@ struct Loads {
 impl Loads {
     /// How far the springs of the pair in a lane give way under their loads, over how far they may.
     fn compression(&self, pair: &Pair, inverse_masses: [f32; 2], points: &[PointLanes], lane: usize) -> f32 {
+        let squeezed = |point: &PointLanes| point.separation.0[lane] < -SQUEEZED * pair.diameter;
+        if inverse_masses.contains(&0.0) && valid_points(points, lane).any(squeezed) {
+            return 0.0;
+        }
         let compression = self.compression_by(pair, inverse_masses, points, lane, f32::INFINITY);
         // Nearly all pairs: their loads ask for no shorter substeps, whatever part of them is stress.
         if compression <= 1.0 {
@@ -111,7 +118,7 @@ impl Loads {
             } else {
                 0.0
             };
-            load / (self.stiffness * MAX_COMPRESSION * pair.diameter)
+            load * pair.softness / (self.stiffness * MAX_COMPRESSION * pair.diameter)
         };
         valid_points(points, lane).map(of).fold(0.0, f32::max)
     }
@@ -152,6 +159,7 @@ mod tests {
         };
         let pair = Pair {
             diameter: 1.0,
+            softness: 1.0,
             ..Default::default()
         };
         let loads = Loads {

@@ -42,6 +42,7 @@
 //! | `friction` | friction impulses |
 //! | `restitution` | impacts |
 //! | `softness` | the contact spring |
+//! | `clearance` | tight fits: what gap opposite contact points keep |
 //! | `overlap` | deep penetration, and contact points with opposed normals |
 //! | `pace` | how far a body goes in a collision substep |
 //! | [`warm_start`] | impulses saved for the next collision substep |
@@ -54,6 +55,7 @@ mod batch;
 pub mod bodies;
 mod body_constants;
 mod bundles;
+mod clearance;
 mod colors;
 mod constraints;
 mod contact;

@@ -1,12 +1,14 @@
 //! How contact constraints are made from manifolds and from the impulses of the last collision substep.
 
 use super::bodies::SolverBodies;
+use super::clearance;
 use super::contact::{Pair, Point, frame};
 use super::islands::Mobility;
 use super::motion::unit;
 use super::overlap::{self, Overlap};
 use super::pace::Pace;
 use super::patch;
+use super::softness;
 use super::warm_start::{PointMatcher, WarmStart};
 use crate::state::{ManifoldPoint, Manifolds};
 use crate::types::material::CombineRule;
@@ -37,7 +39,11 @@ impl Source<'_> {
         let diameter = diameter(colliders[0].radius, colliders[1].radius);
         pair.rest_offset = settings.rest_offset * diameter;
         pair.diameter = diameter;
-        pair.mass_ratio = mass_ratio(bodies.map(|body| body.inverse_mass), has_mass);
+        pair.softness = softness::beside_kinematic(bodies);
+        // A light kinematic body needs the exactness of a light dynamic one: it carries its part beside such.
+        pair.mass_ratio =
+            mass_ratio(bodies.map(|body| body.inverse_mass), has_mass).max((pair.softness - 1.0) / softness::CORNER);
+        pair.driven = [0, 1].iter().any(|&side| bodies[side].is_driven(motions[side]));
         pair.friction = CombineRule::combine(colliders.map(|e| e.friction_combine), colliders.map(|e| e.friction));
         let restitution = colliders.map(|e| e.restitution);
         pair.restitution = CombineRule::combine(colliders.map(|e| e.restitution_combine), restitution).min(1.0);
@@ -81,12 +87,18 @@ impl Source<'_> {
             diameter,
             pair.substep,
         );
-        for (point, manifold) in points.iter_mut().zip(manifold) {
-            let conflicts = manifold.separation < 0.0 && manifold.normal.dot(pair.separating_direction) < 0.0;
+        let may_be_tight = clearance::may_be_tight(manifold);
+        for (point, own) in points.iter_mut().zip(manifold) {
+            let conflicts = own.separation < 0.0 && own.normal.dot(pair.separating_direction) < 0.0;
             *point = if conflicts {
                 Point::NONE
             } else {
-                contact_point(manifold, center_offset, offsets, pair.rest_offset)
+                let rest_offset = if may_be_tight {
+                    clearance::rest_offset(own, manifold, pair.rest_offset)
+                } else {
+                    pair.rest_offset
+                };
+                contact_point(own, center_offset, offsets, rest_offset)
             };
         }
         if pair.friction > 0.0 {

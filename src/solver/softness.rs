@@ -1,7 +1,14 @@
 //! Soft constraints: the damped spring of a contact.
 
+use super::bodies::SolverBody;
+use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
 use std::f32::consts::TAU;
+
+/// The contact spring of a kinematic body is at most so many times as soft as that of a static one.
+pub(super) const SOFTEST: f32 = 100.0;
+/// How much more a body gives way at its corners, where contact points are, than at its centre. That of a cube.
+pub(super) const CORNER: f32 = 4.0;
 
 /// Coefficients of a damped spring that is integrated by implicit Euler (Catto, "Soft Constraints", GDC 2011).
 #[derive(Clone, Copy, Debug)]
@@ -27,4 +34,21 @@ impl Softness {
             impulse_scale: a3,
         }
     }
+}
+
+/// How much softer the contact spring of these bodies is than that of a static body and the one that impulses move.
+///
+/// The stiffness of a contact spring is proportional to the effective mass. A kinematic body counts with the mass that it
+/// would have if it were dynamic. Otherwise one of several equal supports would carry more than the others as soon as it
+/// is made kinematic: up to twice as much beside supports of the mass of what they carry, and nearly all of it below a heavy
+/// body.
+pub(super) fn beside_kinematic(bodies: [&SolverBody; 2]) -> f32 {
+    let softness = |kinematic: &SolverBody, other: &SolverBody| {
+        (kinematic.kind == RigidBody::Kinematic && other.has_mass())
+            .then(|| 1.0 + CORNER * kinematic.own_inverse_mass / other.inverse_mass)
+            .filter(|softness| softness.is_finite())
+            .map(|softness| softness.clamp(1.0, SOFTEST))
+    };
+    let [a, b] = bodies;
+    softness(a, b).or_else(|| softness(b, a)).unwrap_or(1.0)
 }

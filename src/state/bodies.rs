@@ -52,6 +52,8 @@ pub struct Bodies {
     pub travel_time: Vec<f32>,
     /// Of the body, 1/kg; 0 for bodies that contacts cannot move.
     pub inverse_mass: Vec<f32>,
+    /// Inverse mass that the body would have if contacts moved it, 1/kg; 0 for static bodies.
+    pub own_inverse_mass: Vec<f32>,
     /// Inverse inertia tensor in the body's own axes; zero for bodies that contacts cannot rotate. That of a body of
     /// several colliders is in its [`Compound`].
     pub local_inverse_inertia: Vec<Mat3>,
@@ -126,6 +128,7 @@ impl Bodies {
             speculative_radius,
             travel_time,
             inverse_mass,
+            own_inverse_mass,
             local_inverse_inertia,
             inverse_inertia,
             restitution,
@@ -154,6 +157,7 @@ impl Bodies {
         speculative_radius.clear();
         travel_time.clear();
         inverse_mass.clear();
+        own_inverse_mass.clear();
         local_inverse_inertia.clear();
         inverse_inertia.clear();
         restitution.clear();
@@ -295,6 +299,8 @@ impl Bodies {
         self.speculative_radius.push(radius);
         self.travel_time.push(0.0);
         self.inverse_mass.push(inverse_mass);
+        self.own_inverse_mass
+            .push(own_inverse_mass(body, &frame, &slot.mesh.mass));
         self.local_inverse_inertia.push(own_inertia.as_mat3());
         self.inverse_inertia.push(inverse_inertia.as_mat3());
         self.restitution.push(body.restitution.clamp(0.0, 1.0));
@@ -477,8 +483,22 @@ fn mass_of(body: &Body, frame: &Frame, mesh: &MassProperties) -> f64 {
     if body.kind != RigidBody::Dynamic {
         return f64::INFINITY;
     }
+    own_mass_of(body, frame, mesh)
+}
+
+/// The mass if contacts moved it, kg.
+fn own_mass_of(body: &Body, frame: &Frame, mesh: &MassProperties) -> f64 {
     let volume = mesh.volume as f64 * frame.scale.element_product().abs();
     body.mass.map_or(f64::from(body.density) * volume, f64::from)
+}
+
+/// The inverse mass if contacts moved it, 1/kg; 0 for a static body, and where it is not finite.
+fn own_inverse_mass(body: &Body, frame: &Frame, mesh: &MassProperties) -> f32 {
+    if body.kind == RigidBody::Static {
+        return 0.0;
+    }
+    let inverse = (1.0 / own_mass_of(body, frame, mesh)) as f32;
+    if inverse.is_finite() { inverse } else { 0.0 }
 }
 
 /// The inverse inertia of a dynamic body in its own axes.

@@ -117,6 +117,10 @@ impl Bodies {
         let rotation = super::bodies::unit(body.rotation);
         let dynamic = body.kind == RigidBody::Dynamic;
         let inverse_mass = if dynamic { (1.0 / total.mass) as f32 } else { 0.0 };
+        let own_inverse_mass = match body.kind {
+            RigidBody::Static => 0.0,
+            _ => (1.0 / total.mass) as f32,
+        };
         let local_inverse_inertia = match body.inertia {
             _ if !dynamic => DMat3::ZERO,
             Some(inertia) => inertia.as_dmat3().inverse(),
@@ -131,6 +135,7 @@ impl Bodies {
             radius = radius.max(offset.length() + f64::from(self.unpadded_radius[i]));
             self.body[i] = number;
             self.inverse_mass[i] = inverse_mass;
+            self.own_inverse_mass[i] = own_inverse_mass;
             self.parts.push(Part {
                 collider,
                 place,

@@ -46,6 +46,7 @@ impl Bodies {
             speculative_radius: picked(&self.speculative_radius, colliders),
             travel_time: picked(&self.travel_time, colliders),
             inverse_mass: picked(&self.inverse_mass, colliders),
+            own_inverse_mass: picked(&self.own_inverse_mass, colliders),
             local_inverse_inertia: picked(&self.local_inverse_inertia, colliders),
             inverse_inertia: picked(&self.inverse_inertia, colliders),
             restitution: picked(&self.restitution, colliders),

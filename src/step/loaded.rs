@@ -56,7 +56,9 @@ impl StepMemory {
         });
         let vectors = [inputs.position, inputs.inputs.scale, inputs.inputs.center];
         let rotation = inputs.rotation.is_finite() && inputs.rotation.length_squared() > 0.0;
-        if place && rotation && vectors.iter().all(|vector| vector.is_finite()) && saved.sleep.rest_time.is_finite() {
+        let sleep = &saved.sleep;
+        let rest = sleep.rest_time.is_finite() && sleep.way.is_finite() && sleep.last_way.is_finite();
+        if place && rotation && vectors.iter().all(|vector| vector.is_finite()) && rest {
             Ok(())
         } else {
             Err(MemoryFault::Number("states of bodies"))

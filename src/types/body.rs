@@ -56,12 +56,17 @@ pub enum RigidBody {
     ///
     /// * **By its velocity**, while [`LinearVelocity`] or [`AngularVelocity`] is not zero. Like every body it rotates about
     ///   its centre of mass. A written `Transform` places it.
-    /// * **By its `Transform`**, while both are zero: a lift, a door that turns about its hinge, an animated part of a
+    /// * **By its `Transform`**, while no velocity is set: a lift, a door that turns about its hinge, an animated part of a
     ///   scene. In the next step it goes from its last pose to the new one, and with
     ///   [`Response::Contacts`](crate::types::settings::Response::Contacts) its contacts have the velocity of that move. At
     ///   the end of the step it is exactly where it was put. Write the `Transform`, or that of an entity above it, in
     ///   `FixedUpdate`: in `Update` a frame may have no step or several, and the velocity jerks. To place it without a
     ///   velocity insert [`Teleport`](crate::plugin::components::Teleport) too. Sensors are always placed.
+    ///
+    ///   After the step [`LinearVelocity`] and [`AngularVelocity`] hold the velocity of that move, and zero when it stands
+    ///   still. They do not move it again: only another value sets a velocity. If it becomes dynamic, it goes on with them. A
+    ///   scene that is saved while it moves has them as its velocity, unless a
+    ///   [`Snapshot`](crate::plugin::snapshot::Snapshot) is restored too.
     Kinematic,
     /// Never moved by the step.
     Static,

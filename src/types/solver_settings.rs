@@ -88,11 +88,15 @@ pub struct SolverSettings {
     pub max_collision_substeps: u32,
     /// Whether islands of bodies at rest fall asleep. Default true.
     pub sleeping: bool,
-    /// A body is at rest if none of its points moves faster than this, in m/s. Default 0.05. Piles settle to 0.0001 to
-    /// 0.001.
+    /// A body is not at rest while one of its points moves faster than this, in m/s. Default 0.05.
     pub sleep_speed: f32,
     /// How long all bodies of an island must be at rest before they sleep, in seconds. Default 0.5: longer than a
     /// thrown body is slow at the top of its path. However short, it takes two collision substeps.
+    ///
+    /// A body is at rest if it goes nearly nowhere, however slow it is: in half of this time less than 0.1 % of its bounding
+    /// diameter (of 2 m, if that is less), and in the second half as far as in the first. It is watched for three times as
+    /// long if the halves differ by more than 0.02 % and it does not slow down. What touches nothing is at rest only if it
+    /// does not move.
     pub sleep_time: f32,
 }
 

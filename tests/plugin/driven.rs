@@ -35,7 +35,7 @@ pub fn a_lift_moved_by_its_transform_carries_what_stands_on_it() {
             let wanted = sim.get::<Transform>(slab);
             sim.step(1);
             assert_eq!(sim.get::<Transform>(slab), wanted, "it is where the game put it");
-            assert_eq!(sim.velocity(slab), Vec3::ZERO);
+            assert_near(sim.velocity(slab), way, 1e-4);
             if step >= 48 {
                 assert_near(sim.velocity(rider), way, 0.02);
             }
@@ -71,6 +71,52 @@ pub fn a_door_turned_by_its_transform_sweeps_a_ball_away() {
     let speed = sim.velocity(ball).length();
     assert!((1.5..6.0).contains(&speed), "{speed}");
     assert!(sim.position(ball).z < -1.0, "{}", sim.position(ball));
+}
+
+/// Its velocity can be read while it moves, does not move it when nobody moves it, and stays when it becomes dynamic.
+pub fn a_slab_that_is_moved_has_a_velocity_and_goes_on_with_it() {
+    let (mut sim, slab, _) = slab_beside_a_body();
+    let (way, turn) = (Vec3::new(-1.0, 0.5, 0.0), Vec3::Z * 0.25);
+    let drive = |sim: &mut Sim, steps: usize| {
+        for _ in 0..steps {
+            shift(sim, slab, way * DT);
+            let mut transform = sim.world().get_mut::<Transform>(slab).unwrap();
+            transform.rotate(Quat::from_scaled_axis(turn * DT));
+            sim.step(1);
+        }
+    };
+    drive(&mut sim, 8);
+    assert_near(sim.velocity(slab), way, 1e-4);
+    assert_near(sim.spin(slab), turn, 1e-4);
+    // It stands still.
+    let at = sim.position(slab);
+    sim.step(4);
+    assert_eq!(sim.position(slab), at);
+    assert_eq!((sim.velocity(slab), sim.spin(slab)), (Vec3::ZERO, Vec3::ZERO));
+    // It is moved again, and then by a velocity of its own.
+    drive(&mut sim, 4);
+    sim.set(slab, LinearVelocity(Vec3::X * -2.0));
+    let at = sim.position(slab);
+    sim.step(4);
+    assert_near(sim.position(slab), at - Vec3::X * 2.0 * 4.0 * DT, 1e-5);
+    assert_eq!((sim.velocity(slab), sim.spin(slab)), (Vec3::X * -2.0, Vec3::ZERO));
+    sim.set(slab, LinearVelocity(Vec3::ZERO));
+    sim.step(1);
+    drive(&mut sim, 4);
+    // What is left out of steps keeps it, and is not moved by it afterwards.
+    sim.set(slab, RigidBodyDisabled);
+    sim.step(2);
+    sim.world().entity_mut(slab).remove::<RigidBodyDisabled>();
+    let at = sim.position(slab);
+    sim.step(2);
+    assert_eq!(sim.position(slab), at);
+    drive(&mut sim, 4);
+    sim.set(slab, RigidBody::Dynamic);
+    let at = sim.position(slab);
+    sim.step(16);
+    assert_near(sim.velocity(slab), way, 1e-3);
+    assert_near(sim.position(slab), at + way * 16.0 * DT, 1e-3);
+    assert_near(sim.spin(slab), turn, 1e-3);
 }
 
 /// A weightless body at the origin and a kinematic slab, half a metre before it, after two steps.

@@ -148,6 +148,7 @@ tests_of! {
 tests_of! {
     driven as driven_on_the_cpu:
     a_lift_moved_by_its_transform_carries_what_stands_on_it
+    a_slab_that_is_moved_has_a_velocity_and_goes_on_with_it
     a_door_turned_by_its_transform_sweeps_a_ball_away
     a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does
     a_slab_that_teleports_while_it_is_left_out_pushes_nothing_when_it_returns

@@ -157,6 +157,49 @@ fn a_thrown_body_does_not_fall_asleep_at_the_top_of_its_path() {
     }
 }
 
+/// On a slope that is a little steeper than its friction holds, a cube of any size gains 0.0878 m/s each second.
+#[test]
+fn a_cube_that_is_accelerated_slowly_does_not_fall_asleep() {
+    let slope = 0.5f64.atan();
+    let acceleration = 9.81 * (slope.sin() - 0.49 * slope.cos());
+    for edge in [0.05, 1.0, 20.0] {
+        let mut world = World::heavy();
+        world.settings.sleeping = true;
+        let floor = world.floor(slope);
+        let up = world.bodies.motions[floor].rotation * DVec3::Y;
+        let cube = world.dynamic(Shape::Box(DVec3::splat(0.5 * edge)), 1.0, up * 0.5 * edge * 1.0017);
+        world.motion(cube).rotation = world.bodies.motions[floor].rotation;
+        for body in &mut world.bodies.bodies {
+            body.friction = 0.49;
+        }
+        let start = world.center(cube);
+        for _ in 0..4 * 64 {
+            world.step(1);
+            assert!(!world.bodies.sleep[cube].asleep, "edge {edge}");
+        }
+        let way = world.center(cube).distance(start);
+        let wanted = 0.5 * acceleration * 16.0;
+        assert!(
+            (way - wanted).abs() < 0.03 * wanted,
+            "edge {edge}: {way} m, not {wanted} m"
+        );
+    }
+}
+
+#[test]
+fn what_touches_nothing_sleeps_only_if_it_does_not_move() {
+    for (speed, spin) in [(0.049, 0.0), (0.0, 0.05), (0.0005, 0.0), (0.0, 0.0)] {
+        let mut world = World::new();
+        world.settings.sleeping = true;
+        let cube = world.dynamic(CUBE, 1.0, DVec3::ZERO);
+        world.motion(cube).linear_velocity = Vec3::X * speed;
+        world.motion(cube).angular_velocity = Vec3::Y * spin;
+        world.seconds(5.0);
+        assert_eq!(world.bodies.sleep[cube].asleep, speed == 0.0 && spin == 0.0);
+        assert_eq!(world.velocity(cube), Vec3::X * speed);
+    }
+}
+
 #[test]
 fn sleep_can_be_switched_off() {
     let mut world = sleeping_stack();

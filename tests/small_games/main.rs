@@ -26,6 +26,12 @@
 //! | a ball slides over a T-junction of a flat floor | keeps its velocity | on both |
 //! | meshes with cracks, missing faces, any winding | rest, push and contain as clean ones do | on both |
 //! | balls in a box without a lid, of single faces | stay in it | on both |
+//! | a cube on a slope that friction nearly holds, on ice, or alone in space | slides, turns round, goes on: it does not sleep | on both |
+//! | piles of tori, of knots | fall asleep | on the CPU |
+//! | one of three equal supports is made kinematic | carries a third | on both |
+//! | a block is pulled from a tower | the tower stays | on the CPU |
+//! | a body in a press | overlaps both walls evenly, with finite impulses | on the CPU |
+//! | a pin in a hole with less play than the gap at rest | falls | on both |
 //! | an open sheet on a ball | comes to rest | on neither: it rocks |
 //!
 //! Other tests play these, and they are not here again:
@@ -50,9 +56,13 @@ mod heavy_on_light;
 #[path = "../common/no_device.rs"]
 mod no_device;
 mod player;
+mod press;
 mod sheet;
+mod slow_motion;
 mod spinning_coin;
+mod supports;
 mod t_junction;
+mod tight_fit;
 mod turntable;
 
 use bevy_faceoff::prelude::*;
@@ -117,6 +127,18 @@ fn plays() -> Vec<Play> {
         Cpu broken_meshes::they_push_as_clean_ones_do;
         Cpu broken_meshes::they_contain_as_clean_ones_do;
         Cpu broken_meshes::a_box_without_a_lid_holds_balls;
+        Cpu slow_motion::a_cube_slides_where_friction_nearly_holds_it;
+        Cpu slow_motion::a_cube_turns_round_on_ice;
+        Cpu slow_motion::what_touches_nothing_goes_on;
+        Cpu slow_motion::a_pile_of_tori_falls_asleep;
+        Cpu slow_motion::a_pile_of_small_tori_falls_asleep;
+        Cpu slow_motion::a_pile_of_knots_falls_asleep;
+        Cpu supports::one_that_is_made_kinematic_carries_its_part;
+        Cpu supports::a_block_is_pulled_from_a_tower;
+        Cpu press::a_ball_is_squeezed_evenly;
+        Cpu press::a_cube_is_squeezed_evenly;
+        Cpu tight_fit::a_pin_falls_through_its_hole;
+        Cpu tight_fit::a_pin_slides_in_an_inclined_hole;
         Cpu sheet::an_open_sheet_on_a_ball_comes_to_rest, "turns at 0.34 rad/s after 20 s, awake";
 
         Gpu balls::two_dropped_on_each_other_keep_their_energy;
@@ -135,6 +157,9 @@ fn plays() -> Vec<Play> {
         Gpu broken_meshes::they_push_as_clean_ones_do;
         Gpu broken_meshes::they_contain_as_clean_ones_do;
         Gpu broken_meshes::a_box_without_a_lid_holds_balls;
+        Gpu slow_motion::what_touches_nothing_goes_on;
+        Gpu supports::one_that_is_made_kinematic_carries_its_part;
+        Gpu tight_fit::a_pin_falls_through_its_hole;
         Gpu player::walks_and_respawns_as_told;
         Gpu player::walks_and_respawns_as_told_with_latent_results;
         Gpu player::walks_and_respawns_as_told_with_resident_bodies;

@@ -3,7 +3,7 @@
 use super::{Character, CharacterGround};
 use crate::plugin::components::{RigidBodyDisabled, Teleport};
 use crate::plugin::sync::Step;
-use crate::plugin::sync::components::is_at_rest;
+use crate::plugin::sync::components::velocities;
 use crate::plugin::sync::publish::WrittenTransforms;
 use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody};
 use bevy::ecs::query::QueryData;
@@ -34,7 +34,7 @@ pub(super) fn leave_placed_ground(
         let body = contact.body;
         let is_placed = bodies
             .get(body)
-            .is_ok_and(|moves| moves.teleports || (!moves.is_driven() && is_written(body)));
+            .is_ok_and(|moves| moves.teleports || (!moves.is_driven(body, &step) && is_written(body)));
         if is_disabled || is_placed {
             *ground = CharacterGround::default();
         }
@@ -43,11 +43,14 @@ pub(super) fn leave_placed_ground(
 
 impl MovesItem<'_, '_> {
     /// Whether it moves along if its `Transform` is written.
-    fn is_driven(&self) -> bool {
+    fn is_driven(&self, body: Entity, step: &Step) -> bool {
         match self.kind {
             RigidBody::Static => true,
             RigidBody::Dynamic => false,
-            RigidBody::Kinematic => is_at_rest(self.linear, self.angular),
+            RigidBody::Kinematic => {
+                let seen = velocities(self.linear, self.angular);
+                step.driven.has_no_velocity(body, seen)
+            }
         }
     }
 }

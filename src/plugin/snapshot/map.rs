@@ -32,6 +32,9 @@ impl MapEntities for Snapshot {
         mapped.poses = (driven.poses.into_iter())
             .map(|(body, pose)| (mapper.get_mapped(body), pose))
             .collect();
+        mapped.shown = (driven.shown.into_iter())
+            .map(|(body, velocities)| (mapper.get_mapped(body), velocities))
+            .collect();
         mapped.far = driven.far.into_iter().map(|body| mapper.get_mapped(body)).collect();
         self.driven = mapped;
         let characters = std::mem::take(&mut self.characters);

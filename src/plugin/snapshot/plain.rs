@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Grows with every change of what is written.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 
 /// The bits of an [`Entity`].
 pub(super) type Bits = u64;
@@ -35,6 +35,8 @@ pub(super) struct Plain {
     /// Kinematic bodies that move by their `Transform`.
     driven: Vec<(Bits, Pose)>,
     driven_far: Vec<Bits>,
+    /// The velocities of those that moved in the last step.
+    driven_velocities: Vec<(Bits, [Vec3; 2])>,
     characters: Vec<PlainCharacter>,
     memory: StepMemory,
     manifolds: Manifolds,
@@ -99,6 +101,10 @@ impl From<Snapshot> for Plain {
         poses.sort_unstable_by_key(|&(body, _)| body);
         let mut driven_far: Vec<_> = driven.far.into_iter().map(bits).collect();
         driven_far.sort_unstable();
+        let mut driven_velocities: Vec<_> = (driven.shown.into_iter())
+            .map(|(body, velocities)| (bits(body), velocities))
+            .collect();
+        driven_velocities.sort_unstable_by_key(|&(body, _)| body);
         Self {
             format: FORMAT,
             bodies: (bodies.into_iter())
@@ -109,6 +115,7 @@ impl From<Snapshot> for Plain {
             nested,
             driven: poses,
             driven_far,
+            driven_velocities,
             characters: (characters.into_iter())
                 .map(|(character, state)| PlainCharacter::new(character, state))
                 .collect(),
@@ -131,6 +138,7 @@ impl TryFrom<Plain> for Snapshot {
             nested,
             driven,
             driven_far,
+            driven_velocities,
             characters,
             memory,
             manifolds,
@@ -165,6 +173,9 @@ impl TryFrom<Plain> for Snapshot {
         }
         for body in driven_far {
             bodies.far.insert(entity(body)?);
+        }
+        for (body, velocities) in driven_velocities {
+            bodies.shown.insert(entity(body)?, velocities);
         }
         snapshot.driven = bodies;
         snapshot.characters = (characters.into_iter())

@@ -271,9 +271,10 @@ impl Reader<'_, '_> {
                 self.step.state.input.meshes[mesh].mesh.mass.center,
             ));
         }
-        self.drive(body, posed);
+        let velocities = self.velocities(body);
+        self.drive(body, posed, velocities);
         let stretch = posed.stretch;
-        let mut own = body.body(posed);
+        let mut own = body.body(posed, velocities);
         own.mesh = mesh;
         own.scale = Vec3::new(
             stretch.x_axis.x as f32,
@@ -285,10 +286,16 @@ impl Reader<'_, '_> {
         self.step.candidates.push(Candidate::single(id, own));
     }
 
+    /// The velocities of a body, without those that the step has written to a kinematic one.
+    fn velocities(&mut self, body: &BodyComponentsItem) -> [Vec3; 2] {
+        let kind = body.kind.copied().unwrap_or(RigidBody::Static);
+        self.step.driven.velocities(body.entity, kind, body.velocities())
+    }
+
     /// Notes a kinematic body that moves by its `Transform`. What pushes nothing is better tested where it is put.
-    fn drive(&mut self, body: &BodyComponentsItem, posed: &Posed) {
+    fn drive(&mut self, body: &BodyComponentsItem, posed: &Posed, velocities: [Vec3; 2]) {
         let pushes = self.response == Response::Contacts && !body.surface.is_sensor();
-        if pushes && body.kind == Some(&RigidBody::Kinematic) && body.has_no_velocity() {
+        if pushes && body.kind == Some(&RigidBody::Kinematic) && velocities == [Vec3::ZERO; 2] {
             let pose = (posed.position, posed.rotation);
             self.step
                 .driven
@@ -319,7 +326,8 @@ impl Reader<'_, '_> {
         if own.is_none() && !has_children {
             return;
         }
-        let assembly = body.body(&posed);
+        let velocities = self.velocities(body);
+        let assembly = body.body(&posed, velocities);
         let center = body
             .center
             .map(|center| (posed.stretch * center.0.as_dvec3()).as_vec3());
@@ -331,7 +339,7 @@ impl Reader<'_, '_> {
             self.step.new_faults.push((entity, fault));
             return;
         }
-        self.drive(body, &posed);
+        self.drive(body, &posed, velocities);
         let surface = body.surface.read();
         let number = self.step.assemblies.len() as u32;
         self.step.assemblies.push(Assembly {

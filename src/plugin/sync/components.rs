@@ -85,17 +85,16 @@ impl BodyComponentsItem<'_, '_> {
         oddities.check_limit(entity, "MaxAngularSpeed", params.max_angular_speed.map(|m| m.0));
     }
 
-    /// Whether neither velocity is other than zero.
-    pub fn has_no_velocity(&self) -> bool {
-        is_at_rest(self.linear_velocity, self.angular_velocity)
+    /// The linear and the angular velocity that its components hold.
+    pub fn velocities(&self) -> [Vec3; 2] {
+        velocities(self.linear_velocity, self.angular_velocity)
     }
 
-    /// The body at this pose, without a mesh.
-    pub fn body(&self, posed: &Posed) -> Body {
+    /// The body at this pose and with these velocities, without a mesh.
+    pub fn body(&self, posed: &Posed, [linear, angular]: [Vec3; 2]) -> Body {
         let mut body = Body::at_rest(0, posed.position, posed.rotation, Vec3::ONE);
         body.kind = self.kind.copied().unwrap_or(RigidBody::Static);
-        body.linear_velocity = self.linear_velocity.map_or(Vec3::ZERO, |v| v.0);
-        body.angular_velocity = self.angular_velocity.map_or(Vec3::ZERO, |w| w.0);
+        (body.linear_velocity, body.angular_velocity) = (linear, angular);
         body.mass = self.mass.map(|m| m.0);
         body.inertia = self.inertia.map(|i| i.0);
         body.gravity_scale = self.gravity_scale.map_or(1.0, |g| g.0);
@@ -174,7 +173,7 @@ impl HandlingComponentsItem<'_, '_> {
     }
 }
 
-/// Whether neither velocity is other than zero.
-pub(crate) fn is_at_rest(linear: Option<&LinearVelocity>, angular: Option<&AngularVelocity>) -> bool {
-    linear.is_none_or(|v| v.0 == Vec3::ZERO) && angular.is_none_or(|w| w.0 == Vec3::ZERO)
+/// The linear and the angular velocity that components hold.
+pub(crate) fn velocities(linear: Option<&LinearVelocity>, angular: Option<&AngularVelocity>) -> [Vec3; 2] {
+    [linear.map_or(Vec3::ZERO, |v| v.0), angular.map_or(Vec3::ZERO, |w| w.0)]
 }

@@ -2,6 +2,7 @@
 
 use super::oddities::{Oddities, Oddity};
 use crate::state::{Bodies, Departure};
+use crate::types::body::RigidBody;
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 
@@ -17,14 +18,21 @@ pub(crate) struct DrivenBodies {
     departures: Vec<(Entity, (Vec3, Quat))>,
     /// Those that have moved very far in one step.
     pub far: EntityHashSet,
+    /// The velocities that the last step has written to the components of those that it moved. They do not move a body
+    /// again: only other values are those of a user.
+    pub shown: EntityHashMap<[Vec3; 2]>,
+    /// What this step writes to the velocities of others, which moved in the last one.
+    stopped: Vec<(Entity, [Vec3; 2])>,
+    /// The velocities of those that move in this step.
+    moving: Vec<(Entity, [Vec3; 2])>,
 }
 
 impl DrivenBodies {
     /// Takes those of the last step, to be replaced by those of this one.
     pub fn take(&mut self) -> Self {
-        let far = std::mem::take(&mut self.far);
+        let (far, shown) = (std::mem::take(&mut self.far), std::mem::take(&mut self.shown));
         let before = std::mem::take(self);
-        self.far = far;
+        (self.far, self.shown) = (far, shown);
         before
     }
 
@@ -44,8 +52,48 @@ impl DrivenBodies {
     pub fn at_rest(&self) -> Self {
         Self {
             poses: self.poses.clone(),
-            departures: Vec::new(),
             far: self.far.clone(),
+            shown: self.shown.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// The linear and angular velocity of a body whose components hold `seen`. Those that the step has written do not count
+    /// for a kinematic body.
+    pub fn velocities(&mut self, entity: Entity, kind: RigidBody, seen: [Vec3; 2]) -> [Vec3; 2] {
+        let Some(shown) = self.shown.remove(&entity) else {
+            return seen;
+        };
+        if kind != RigidBody::Kinematic {
+            return seen;
+        }
+        let own = [0, 1].map(|i| if seen[i] == shown[i] { Vec3::ZERO } else { seen[i] });
+        self.stopped.push((entity, own));
+        own
+    }
+
+    /// Whether no user has set the velocities `seen` of a kinematic body.
+    pub fn has_no_velocity(&self, entity: Entity, seen: [Vec3; 2]) -> bool {
+        let shown = self.shown.get(&entity).copied().unwrap_or_default();
+        seen.into_iter()
+            .zip(shown)
+            .all(|(seen, shown)| seen == Vec3::ZERO || seen == shown)
+    }
+
+    /// Notes with which velocities bodies move in this step.
+    pub fn note_velocities(&mut self, velocities_of: impl Fn(Entity) -> Option<[Vec3; 2]>) {
+        let moving = (self.departures.iter()).filter_map(|&(entity, _)| Some((entity, velocities_of(entity)?)));
+        self.moving = moving.collect();
+    }
+
+    /// Calls `write` with the velocities that the components are to hold after this step.
+    pub fn show(&mut self, mut write: impl FnMut(Entity, [Vec3; 2])) {
+        for (entity, velocities) in self.stopped.drain(..) {
+            write(entity, velocities);
+        }
+        for (entity, velocities) in self.moving.drain(..) {
+            write(entity, velocities);
+            self.shown.insert(entity, velocities);
         }
     }
 

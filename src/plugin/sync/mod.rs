@@ -303,6 +303,12 @@ impl Step {
         let departures = self.driven.departures(|entity| self.number_of(entity));
         let dt = self.state.input.config.dt;
         self.state.input.bodies.depart(&departures, dt);
+        let mut driven = std::mem::take(&mut self.driven);
+        driven.note_velocities(|entity| {
+            let motion = self.state.input.bodies.body_motion(self.number_of(entity)?);
+            Some([motion.linear_velocity, motion.angular_velocity])
+        });
+        self.driven = driven;
     }
 
     /// Number of bodies asleep after a step on the CPU.

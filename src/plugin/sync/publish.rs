@@ -38,6 +38,23 @@ pub(crate) fn use_up_teleports(step: Res<Step>, teleported: Query<Entity, With<T
     }
 }
 
+/// Writes the velocities of bodies that move by their `Transform`. Like their poses they are known before the results.
+pub(crate) fn show_driven(
+    mut step: ResMut<Step>,
+    mut bodies: Query<(Option<&mut LinearVelocity>, Option<&mut AngularVelocity>)>,
+) {
+    step.driven.show(|entity, [v, w]| {
+        if let Ok((linear, angular)) = bodies.get_mut(entity) {
+            if let Some(mut linear) = linear {
+                linear.set_if_neq(LinearVelocity(v));
+            }
+            if let Some(mut angular) = angular {
+                angular.set_if_neq(AngularVelocity(w));
+            }
+        }
+    });
+}
+
 /// Waits for the results of the oldest pending step and publishes them. Returns false if there are none.
 pub(crate) fn land(world: &mut World) -> bool {
     if !world.resource_mut::<Step>().land() {

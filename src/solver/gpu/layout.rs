@@ -29,7 +29,7 @@ layout! {
         radius: f32, restitution: f32, friction: f32, gravity_scale: f32,
         linear_damping: f32, angular_damping: f32, max_linear_speed: f32, max_angular_speed: f32,
         offset: Vec3, body: u32,
-        extent: f32, padding_a: u32, padding_b: u32, padding_c: u32,
+        extent: f32, own_inverse_mass: f32, padding_a: u32, padding_b: u32,
     }
     /// Pose, velocity and sleep state of a body.
     MotionState {
@@ -39,6 +39,10 @@ layout! {
         rotation_low: Quat,
         linear_velocity: Vec3, neighbours: u32,
         angular_velocity: Vec3, key: u32,
+        moved: Vec3, padding_a: u32,
+        turned: Vec3, padding_b: u32,
+        last_moved: Vec3, padding_c: u32,
+        last_turned: Vec3, padding_d: u32,
     }
     /// External forces and impulses.
     BodyForces {
@@ -91,6 +95,7 @@ layout! {
         offset_a: Vec3, collider_a: u32,
         offset_b: Vec3, collider_b: u32,
         mass_ratio: f32, color: u32, pace: u32, substep: f32,
+        softness: f32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// What is constant about a point during a collision substep.
     PointConstants {

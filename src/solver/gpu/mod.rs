@@ -48,7 +48,7 @@ mod warm_start;
 
 pub use buffers::{SolverBuffers, SolverCapacity};
 
-use super::{body_constants, load, overlap, patch, restitution, solve, substep};
+use super::{body_constants, clearance, load, overlap, patch, restitution, softness, solve, substep};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
@@ -60,6 +60,9 @@ const SUBSTEP_BUDGET: u32 = 4 * substep::PASS_BUDGET;
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 OPPOSED = overlap::OPPOSED;
+    f32 OPPOSITE = clearance::OPPOSITE;
+    f32 ALIKE = clearance::ALIKE;
+    u32 MOST_COMPARED = clearance::MOST_COMPARED;
     f32 CONFLICT_DEPTH = overlap::CONFLICT_DEPTH;
     f32 RESOLVED_DEPTH = overlap::RESOLVED_DEPTH;
     f32 MIN_DIRECTION_LENGTH = overlap::MIN_DIRECTION_LENGTH;
@@ -67,8 +70,11 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 MAX_ROUNDS = body_constants::MAX_ROUNDS;
     f32 ACTIVATION_DISTANCE = solve::ACTIVATION_DISTANCE;
     f32 MAX_STEP_ERROR = solve::MAX_STEP_ERROR;
+    f32 SOFTEST = softness::SOFTEST;
+    f32 CORNER = softness::CORNER;
     f32 MAX_COMPRESSION = load::MAX_COMPRESSION;
     f32 MAX_FACTOR = load::MAX_FACTOR;
+    f32 SQUEEZED = load::SQUEEZED;
     f32 MAX_STRESS = load::MAX_STRESS;
     f32 POINT_BUDGET = load::POINT_BUDGET;
     u32 PASS_BUDGET = substep::PASS_BUDGET;
@@ -92,6 +98,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("solver/paces"),
         module!("solver/motion"),
         module!("solver/overlap"),
+        module!("solver/clearance"),
         module!("solver/patch"),
         module!("solver/union_find"),
         module!("solver/contact"),

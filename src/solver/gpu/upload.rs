@@ -4,6 +4,7 @@ use super::layout;
 use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
 use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, FLAT_RADIUS, KINEMATIC, SENSOR, STATIC};
 use crate::manifolds::{Manifold, ManifoldPoint};
+use crate::solver::bodies::Way;
 use crate::solver::softness::Softness;
 use crate::solver::{Pace, SleepState, SolverBodies, SolverBody, SolverMotion};
 use crate::types::body::{ExternalForces, RigidBody};
@@ -98,6 +99,7 @@ fn body(number: u32, body: &SolverBody) -> layout::SolverBody {
         max_angular_speed: limit(body.max_angular_speed),
         body: number,
         extent: length(body.extent),
+        own_inverse_mass: positive(body.own_inverse_mass),
         ..Default::default()
     }
 }
@@ -146,6 +148,11 @@ pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u32) -> layout::Mot
         rest_time: sleep.rest_time,
         neighbours: sleep.neighbours,
         key,
+        moved: sleep.way.moved.to_array(),
+        turned: sleep.way.turned.to_array(),
+        last_moved: sleep.last_way.moved.to_array(),
+        last_turned: sleep.last_way.turned.to_array(),
+        ..Default::default()
     }
 }
 
@@ -169,6 +176,14 @@ impl From<&layout::MotionState> for SleepState {
             asleep: state.asleep != 0,
             rest_time: state.rest_time,
             neighbours: state.neighbours,
+            way: Way {
+                moved: Vec3::from(state.moved),
+                turned: Vec3::from(state.turned),
+            },
+            last_way: Way {
+                moved: Vec3::from(state.last_moved),
+                turned: Vec3::from(state.last_turned),
+            },
         }
     }
 }

@@ -87,6 +87,7 @@ pub const TESTS: &[Test] = &tests! {
     the_same_mesh_as_a_solid_is_the_outward_one: bakes::the_same_mesh_as_a_solid_is_the_outward_one();
     no_ray_slips_through_a_seam: bakes::no_ray_slips_through_a_seam();
     a_lift_moved_by_its_transform_carries: driven::a_lift_moved_by_its_transform_carries_what_stands_on_it();
+    a_slab_that_is_moved_has_a_velocity: driven::a_slab_that_is_moved_has_a_velocity_and_goes_on_with_it();
     a_door_turned_by_its_transform_sweeps: driven::a_door_turned_by_its_transform_sweeps_a_ball_away();
     a_slab_that_teleports_pushes_nothing: driven::a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does();
     a_tray_of_several_colliders_is_moved: driven::a_body_of_several_colliders_is_moved_by_its_transform_too();
