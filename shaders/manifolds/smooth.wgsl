@@ -3,13 +3,10 @@
 // Contact on the smooth surface that a fine mesh approximates. The twin of `src/manifolds/cpu/smooth.rs`.
 
 #import faceoff::arena::{words, vector}
-#import faceoff::constants::manifolds::{MIN_TURN, SMOOTH, SMOOTH_PAIR}
+#import faceoff::constants::manifolds::{MIN_ROLL, MIN_TURN, SMOOTH, SMOOTH_PAIR}
 #import faceoff::math::direction
 #import faceoff::sides
 #import faceoff::types as t
-
-// A square of this sine of the angle between a rotation and a normal, or less, gives no direction in which a body rolls.
-const MIN_ROLL: f32 = 1.0e-12;
 
 // What a vertex is for a contact with a certain normal: a corner, which touches itself and rotates with the body; one that
 // stands for a smooth surface that touches nearer to other vertices; or one around which the surface touches.

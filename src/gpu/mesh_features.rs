@@ -17,7 +17,7 @@ pub const RECORD: usize = 16;
 
 /// Number of words per vertex of its normal and roundness: the normal; the radii of curvature of a surface, or the
 /// tangent and the curvature of a rim; the reach, which is negative on a rim and 0 at a corner.
-pub const ROUND: usize = 10;
+pub const ROUNDNESS: usize = 10;
 
 /// The words of a mesh. Starts are relative to the first word.
 pub fn words(slot: &MeshSlot) -> Vec<u32> {
@@ -30,7 +30,7 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     let components = neighbors + features.neighbors.len();
     let far_ends = components + vertices;
     let rounds = far_ends + 3 * slot.mesh.mesh.component_vertices().len();
-    let mut words = Vec::with_capacity(rounds + ROUND * vertices);
+    let mut words = Vec::with_capacity(rounds + ROUNDNESS * vertices);
     words.extend([vertices, positions, starts, neighbors, components, far_ends, rounds, 0].map(|word| word as u32));
     for t in 0..triangles {
         record(slot, features, t, &mut words);
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(words[1] as usize, HEADER + RECORD * features.triangles.len());
         assert_eq!(
             words.len(),
-            words[4] as usize + (1 + ROUND) * features.vertices.len() + 3
+            words[4] as usize + (1 + ROUNDNESS) * features.vertices.len() + 3
         );
         assert_eq!(words[HEADER..HEADER + 3], features.triangles[0]);
     }

@@ -21,7 +21,7 @@ pub(crate) const SMOOTH_PAIR: f64 = 0.1;
 
 /// A square of this sine of the angle between a rotation and a normal, or less, gives no direction in which a body
 /// rolls.
-const MIN_ROLL: f64 = 1.0e-12;
+pub(crate) const MIN_ROLL: f64 = 1.0e-12;
 
 /// The contact of the smooth surfaces at a feature.
 pub struct Smoothed {

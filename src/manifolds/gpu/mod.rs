@@ -121,6 +121,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 SMOOTH = smooth::SMOOTH;
     f32 SMOOTH_PAIR = smooth::SMOOTH_PAIR;
     f32 MIN_TURN = MIN_TURN;
+    f32 MIN_ROLL = smooth::MIN_ROLL;
     f32 LEVEL = planes::LEVEL;
     f32 MARGIN = planes::MARGIN;
 });
