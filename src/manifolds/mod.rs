@@ -10,6 +10,8 @@
 //!    edges' arcs of the Gauss map (between the normals of the adjacent faces); separation `n . (p_b - p_a)` of the
 //!    closest points. An edge normal close to a face normal is replaced by it: otherwise the normals of bodies that lie
 //!    flat on each other scatter, and stacks fall over.
+//!    Where the bodies are nearest at other features, the way between the nearest points is the normal: a corner and an edge,
+//!    two corners, edges that are parallel. At rims of open meshes all of these count.
 //! 3. Contours. Where surfaces intersect, the segments in which triangles cross, oriented along the cross product of
 //!    the faces' normals, are joined into closed contours through shared edge-face crossings. Each contour bounds a
 //!    patch. Its area vector `1/2 sum (p - c) x dp` is the gradient of the overlap volume, so it is the direction in
@@ -17,6 +19,7 @@
 //!    may features overlap, by up to 2.5 % of the bodies' size. A patch at whose centre the bodies overlap by more, or that
 //!    has no overlapping feature, gets its points from rays along its normal, cast from five points in the patch to where
 //!    they leave the bodies.
+//!    A contour that ends at the rim of an open mesh pushes the rim out through the other surface.
 //! 4. Containment. A closed body inside another without intersecting faces is pushed out along the shortest way.
 //! 5. Reduction. At most [`MAX_POINTS`] are kept: the deepest, then repeatedly the one farthest from those kept, in
 //!    position and normal.

@@ -105,7 +105,7 @@ fn a_slender_body_in_a_huge_triangle_or_a_thick_slab_is_as_deep_as_its_lowest_co
                 let b = Placed::new(&small, DVec3::Y * (-lowest - wanted), rotation, Vec3::ONE).unwrap();
                 for depth in [depth(&a, &b, 0.001), depth(&b, &a, 0.001)] {
                     let error = f64::from(depth) / wanted - 1.0;
-                    assert!(error.abs() < 0.01, "{depth} for {wanted}, tilt {tilt}, scale {scale}");
+                    assert!(error.abs() < 0.025, "{depth} for {wanted}, tilt {tilt}, scale {scale}");
                 }
             }
         }

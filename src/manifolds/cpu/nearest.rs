@@ -279,7 +279,7 @@ impl TrianglePair<'_> {
         let way = corner.at - foot;
         let square = way.length_squared();
         // Also for edges without length.
-        if !(square <= most * most) {
+        if square.is_nan() || square > most * most {
             return None;
         }
         let length = edge.square.sqrt();
@@ -327,7 +327,7 @@ impl TrianglePair<'_> {
             };
             let normal = cross * square.sqrt().recip();
             return (sine + wider.slack.rotation > EXACTLY_PARALLEL
-                && (!(turn < 1.0) || faces(normal) || faces(-normal)))
+                && (turn.is_nan() || turn >= 1.0 || faces(normal) || faces(-normal)))
             .then_some(Points {
                 points,
                 outward: DVec3::ZERO,

@@ -42,6 +42,8 @@ const MIDDLE: u8 = 5;
 const DEEPEST: u8 = 6;
 /// How far to the side of a patch, in units of its depth there, a vertex may lie that belongs to it.
 const ASIDE: f64 = 2.0;
+/// A vertex counts if it is deeper than the ray through the patch's middle by this factor: on a ball it is hardly deeper.
+const DEEPER: f64 = 1.02;
 
 /// Memory kept between pairs.
 #[derive(Default)]
@@ -272,7 +274,7 @@ fn deepest_probes(
         let vertex = sides[i].vertex(number) - patch.center;
         let depth = vertex.dot(way);
         let aside = vertex - way * depth;
-        let (known, most_aside) = (known * (1.0 + TOUCH), patch.reach + ASIDE * depth);
+        let (known, most_aside) = (known * DEEPER, patch.reach + ASIDE * depth);
         if depth <= most.max(known) || depth > RAY_LENGTH * size || aside.length() > most_aside {
             return None;
         }
@@ -298,7 +300,6 @@ fn deepest_probes(
 
 impl Probe {
     /// The contact point at `p`.
-
     fn feature(&self, patch: &Patch, p: DVec3, origin: Origin) -> Feature {
         let [up, down] = self.ways;
         Feature {
