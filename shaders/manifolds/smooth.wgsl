@@ -10,7 +10,7 @@
 
 // What a vertex is for a contact with a certain normal: a corner, which touches itself and rotates with the body; one that
 // stands for a smooth surface that touches nearer to other vertices; or one around which the surface touches.
-const CORNER: u32 = 0u;
+const SHARP: u32 = 0u;
 const ELSEWHERE: u32 = 1u;
 const ROUND: u32 = 2u;
 
@@ -126,7 +126,7 @@ fn vertex_contact(
     spin: vec3<f32>,
 ) -> VertexContact {
     var result: VertexContact;
-    result.state = CORNER;
+    result.state = SHARP;
     let own_reach = bitcast<f32>(words[at + 9u]);
     if own_reach == 0.0 {
         return result;

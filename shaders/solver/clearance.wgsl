@@ -19,14 +19,16 @@ fn may_be_tight(pair: s::SolverPair) -> bool {
     return false;
 }
 
-// The rest offset of a point of a pair: half of the gap to each opposite point, if that is less.
+// The rest offset of a point of a pair: half of the gap to each opposite point, if that is less. It is negative by up to the
+// bulge where only the meshes leave room.
 fn rest_offset(pair: s::SolverPair, point: t::ContactPoint) -> f32 {
     let end = pair.first + min(pair.count, MOST_COMPARED);
     var least = pair.rest_offset;
     for (var k = pair.first; k < end; k += 1u) {
         if dot(contact_points[k].normal, point.normal) < OPPOSITE {
-            least = min(least, 0.5 * (point.separation + contact_points[k].separation));
+            let other = contact_points[k];
+            least = min(least, 0.5 * ((point.separation - point.bulge) + (other.separation - other.bulge)));
         }
     }
-    return max(least, 0.0);
+    return max(least, -point.bulge);
 }

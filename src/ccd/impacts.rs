@@ -101,7 +101,7 @@ const MAX_HALVINGS: u32 = 12;
 ///   that yields less: static before kinematic before dynamic. It may then overlap the other one.
 ///
 /// A body that `touches` another at the start, with the normal that leads from the first to the second, slides along it at the
-/// first impact, and is carried from the second on: it is pressed against that body, and carried round by one that rotates it
+/// first impacts, and is carried after these: it is pressed against that body, and carried round by one that rotates it
 /// would keep a velocity that it does not follow.
 ///
 /// For pairs that start nearer than `target_distance` that distance is halved, up to 12 times. Pairs that start nearer
@@ -199,7 +199,7 @@ pub fn find_impacts(
         sweep: sweeps[body as usize],
         group,
         first_impact: f64::INFINITY,
-        slides: false,
+        slides: 0,
     }));
     let ground = Ground { bodies, planes, pass };
     let is_continuous = |member: u32| is_continuous(members[member as usize]);

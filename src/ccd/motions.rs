@@ -5,6 +5,9 @@ use crate::state::{Bodies, Plane};
 use glam::{DQuat, DVec3};
 use std::cmp::Ordering;
 
+/// How often a body may slide along others in a collision substep.
+const MAX_SLIDES: u32 = 4;
+
 /// The motion of a body from some time on.
 #[derive(Clone, Copy)]
 pub(super) struct Motion {
@@ -19,8 +22,8 @@ pub(super) struct Motion {
     pub group: u32,
     /// Time of its first impact, infinite if there is none.
     pub first_impact: f64,
-    /// It has slid along a body that it touches.
-    pub slides: bool,
+    /// How often it has slid along a body that it touches.
+    pub slides: u32,
 }
 
 /// The motions of the bodies of the pairs.
@@ -158,7 +161,7 @@ impl Motions {
         let travel = ground.limit_penetration(body, &own, pushed) * locked.free_translation().as_dvec3();
         let group = motion.group;
         motion.change(time, group, travel, own.turn);
-        motion.slides = true;
+        motion.slides += 1;
         self.changed.push(place);
     }
 
@@ -174,9 +177,9 @@ impl Motions {
         carrying.travel + (rotation * offset - offset)
     }
 
-    /// Whether a group has one member, which is not carried and has not slid.
+    /// Whether a group has one member, which is not carried and may slide once more.
     pub fn may_slide(&self, group: u32) -> bool {
-        self.next[group as usize] == group && !self.all[group as usize].slides
+        self.next[group as usize] == group && self.all[group as usize].slides < MAX_SLIDES
     }
 
     /// From `time` on the body at a place is carried by that at the place `carrier`, as if rigidly attached to it.

@@ -23,7 +23,10 @@
 //! 4. Containment. A closed body inside another without intersecting faces is pushed out along the shortest way.
 //! 5. Reduction. At most [`MAX_POINTS`] are kept: the deepest, then repeatedly the one farthest from those kept, in
 //!    position and normal.
-//! 6. Smoothing. Finely tessellated curved surfaces touch where the smooth surfaces would, with their normals if they
+//! 6. Arrival. Within a step, points ahead of a body count if the surfaces meet there or do not meet before the next
+//!    collision substep: not those on a plane that the body crosses beyond its face. The CPU alone does this, see
+//!    `cpu::arrival`.
+//! 7. Smoothing. Finely tessellated curved surfaces touch where the smooth surfaces would, with their normals if they
 //!    are convex in all directions.
 //!
 //! In a step of several collision substeps a pair that overlaps deeply keeps its points for some of them: see `cpu::moved`.

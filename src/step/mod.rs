@@ -12,7 +12,7 @@
 //! | | filter pairs | leaves out pairs by the caller's [`hooks`] | pairs | pairs |
 //! | [`angles`] | find near pairs | separates most of these pairs by support axes | pairs, poses, support heights, face tables | near pairs with relative poses |
 //! | [`triangle_test`] | test triangles (first) | tests the remaining pairs triangle by triangle | near pairs, triangles | touching pairs, intersecting faces, contacts |
-//! | [`manifolds`] | find contact points (N, C) | computes points with normals from vertices, edges and faces that are near each other | near pairs, features | manifolds |
+//! | [`manifolds`] | find contact points (N, C) | computes points with normals from vertices, edges and faces that are near each other; pairs that fly past them get the point of [`ccd`]'s first contact | near pairs, features | manifolds |
 //! | | modify contacts (N, C) | has contacts modified by the caller's [`hooks`] | manifolds | manifolds |
 //! | | reuse contact points (C) | keeps the points of sleeping pairs | manifolds of the last collision substep | manifolds |
 //! | | report contact points (N) | reports the points of touching pairs | manifolds | contacts |

@@ -182,17 +182,16 @@ fn random_pairs(rounds: usize, seed: u64) {
         let first = triangles(&pair[0].mesh, at[0]);
         let gap = [1.0e-5, 1.0e-4, 1.0e-3, 0.01, 0.1][random.0.usize(0..5)];
         // The second body comes nearer, never nearer than the gap.
-        let mut least = 0.0;
         for _ in 0..8 {
             let second = triangles(&pair[1].mesh, at[1]);
-            least = distance(&first, &second);
+            let least = distance(&first, &second);
             if least < 1.001 * gap {
                 break;
             }
             at[1].translation -= aim * (least - gap);
         }
         let second = triangles(&pair[1].mesh, at[1]);
-        least = distance(&first, &second);
+        let least = distance(&first, &second);
         let margin = least * (1.01 + random.0.f64());
         if at[1].translation.dot(aim) < -2.0 {
             continue;

@@ -251,13 +251,13 @@ pub fn a_bullet_that_is_stopped_is_noticed_up_to_there_and_no_farther() {
     assert_eq!(told(&sim, behind, bullet), [0, 0]);
 }
 
-/// A ball of 320 faces rolls for two seconds over a pad that reaches 0.75 mm above the ground, which some of its corners touch and some of
-/// its faces do not. Tells how often the pair was told to begin and to end, and in which steps it touched.
+/// A ball of 1,280 faces rolls for two seconds over a pad that reaches 0.75 mm above the ground, which some of its corners touch and some
+/// of its faces do not. Tells how often the pair was told to begin and to end, and in which steps it touched.
 fn roll_over_a_pad(hysteresis: Option<f32>) -> ([usize; 2], Vec<bool>) {
     let mut sim = on_the_ground();
     sim.world()
         .insert_resource(hysteresis.map_or_else(EventHysteresis::default, EventHysteresis));
-    let (ball, cube) = (sim.mesh(&shapes::ball(0.25, 2)), sim.mesh(&shapes::cube(1.0)));
+    let (ball, cube) = (sim.mesh(&shapes::ball(0.25, 3)), sim.mesh(&shapes::cube(1.0)));
     let flat = Transform::from_xyz(0.0, -0.5, 0.0).with_scale(Vec3::new(60.0, 1.0015, 9.0));
     let pad = sim.spawn((cube, Sensor, flat));
     let body = sim.spawn((

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 
 /// At a vertex where more edges than this begin, the next one is taken as it comes: to compare all for each that ends there would
 /// take time without bound.
-const MAX_COMPARED: usize = 64;
+const MAX_BRANCHES: usize = 64;
 
 /// Not on the path.
 const NONE: u32 = u32::MAX;
@@ -99,7 +99,7 @@ impl Left {
         let ends = &mut self.ends[self.starts[at]..self.starts[at] + count];
         let last = count.checked_sub(1)?;
         let mut chosen = last;
-        if let Some(from) = from.filter(|_| (2..=MAX_COMPARED).contains(&count)) {
+        if let Some(from) = from.filter(|_| (2..=MAX_BRANCHES).contains(&count)) {
             let towards = |end: u32| (self.places[end as usize] - self.places[at]).normalize_or_zero();
             let back = towards(from);
             let turn = |i: &usize| back.dot(towards(ends[*i]));

@@ -55,7 +55,7 @@ impl<'a> Arrival<'a> {
     /// Whether the solver may act on a feature.
     pub fn counts(&mut self, feature: &Feature) -> bool {
         let Motion { fall, rest_offset, .. } = self.motion;
-        if feature.separation <= rest_offset {
+        if feature.separation <= rest_offset || self.is_round(feature) {
             return true;
         }
         let at = match feature.origin {
@@ -69,6 +69,12 @@ impl<'a> Arrival<'a> {
             return true;
         }
         self.arrives(feature, at, way) && (fall == DVec3::ZERO || self.arrives(feature, at, way + fall))
+    }
+
+    /// Whether both surfaces are smooth and convex there. The solver rotates the normal of their contact as they pass each
+    /// other.
+    fn is_round(&self, feature: &Feature) -> bool {
+        (0..2).all(|i| self.pair.sides[i].curvature(feature.triangles[i]) > 0.0)
     }
 
     /// Whether a feature at a point arrives on the surface, or not at all.

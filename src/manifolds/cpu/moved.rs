@@ -144,6 +144,7 @@ mod tests {
                 margin: MARGIN,
             },
             reuse: Some(reuse),
+            motion: None,
         };
         let mut points = Vec::new();
         assert!(pair_of_bodies(&bodies, meshes, [0, 1]).is_some());

@@ -48,6 +48,9 @@ const DEEPER: f64 = 1.02;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
+    /// Leaves out what a GPU lacks: features between nearest points, overlaps at rims, the vertices that reach deepest, and
+    /// that points do not count where bodies fly past each other.
+    pub as_device: bool,
     shares: Shares,
     contours: Contours,
     features: Vec<Feature>,
@@ -109,6 +112,7 @@ impl Worker {
             range: -touch..=margin,
             reach: margin + touch,
             window: None,
+            nearest: !self.as_device,
         };
         let source = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
         let fraction = match source {
@@ -135,7 +139,7 @@ impl Worker {
             }
             return;
         }
-        contours.join(sides, margin, *size);
+        contours.join(sides, margin, *size, !self.as_device);
         features.retain(|feature| contours.admits(feature, false));
         if !contours.patches.is_empty() {
             self.find_overlaps(pair, kept, threads);
@@ -162,7 +166,11 @@ impl Worker {
                 None => probes(sides, patch, [patch.center], *size),
                 Some(_) => [None],
             };
-            let vertices = deepest_probes(sides, patch, middle.as_ref(), most, *size);
+            let vertices = if self.as_device {
+                [None, None]
+            } else {
+                deepest_probes(sides, patch, middle.as_ref(), most, *size)
+            };
             let probes = middle.iter().chain(vertices.iter().flatten().map(|(_, probe)| probe));
             patch.too_deep = probes.into_iter().any(|probe| -probe.separation > most);
             middles.push(middle);
@@ -177,6 +185,7 @@ impl Worker {
                 range: -most..=-TOUCH * size,
                 reach: most,
                 window: Some(if one_sided { window } else { window.without_normals() }),
+                nearest: false,
             };
             shares.find(pair, &wanted, &mut kept.deep, threads, |feature| {
                 contours.admits(feature, true)

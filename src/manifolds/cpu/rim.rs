@@ -13,7 +13,7 @@ use glam::DVec3;
 const MIN_MEAN: f64 = 0.1;
 /// Points on a rim: in the middle of the part within the other body, and halfway to both of its ends, with the depth of a
 /// parabola.
-const PLACES: [(f64, f64); 3] = [(0.0, 1.0), (0.5, 0.75), (-0.5, 0.75)];
+const ON_RIM: [(f64, f64); 3] = [(0.0, 1.0), (0.5, 0.75), (-0.5, 0.75)];
 
 /// An end of a contour at a rim.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +105,7 @@ impl Rim {
 
     /// Appends its contact points.
     pub fn points(&self, normal: DVec3, triangles: [u32; 2], number: u32, features: &mut Vec<Feature>) {
-        for (place, (along, part)) in (0..).zip(PLACES) {
+        for (place, (along, part)) in (0..).zip(ON_RIM) {
             let at = self.middle + self.half * along;
             let way = normal * (part * self.depth);
             let points = if self.side == 0 { [at, at - way] } else { [at + way, at] };

@@ -37,6 +37,8 @@ pub struct Wanted {
     pub reach: f64,
     /// Limits them to some pairs of triangles. Without it crossings are wanted too.
     pub window: Option<Window>,
+    /// Whether features between nearest points are wanted too.
+    pub nearest: bool,
 }
 
 /// What to search for.

@@ -92,7 +92,7 @@ impl Shares {
         } = self;
         let shares = &mut shares[..*count];
         nearest.clear();
-        if wanted.window.is_some() {
+        if !wanted.nearest {
             return;
         }
         // Surfaces that cross have no distance.

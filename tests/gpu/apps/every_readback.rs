@@ -104,7 +104,7 @@ fn same_impacts(_: &Gpu) {
             .insert_resource(Response::Contacts)
             .insert_resource(Gravity::default());
         sim.spawn(PlaneCollider::through(Vec3::Y * -0.5, Vec3::Y));
-        let (ball, cube) = (sim.mesh(&shapes::ball(0.1, 2)), sim.mesh(&shapes::cube(1.0)));
+        let (ball, cube) = (sim.mesh(&shapes::ball(0.1, 3)), sim.mesh(&shapes::cube(1.0)));
         for i in 0..5 {
             let plate = sim.spawn(resting(&cube, Vec3::X * 3.0 * i as f32));
             sim.set(

@@ -33,6 +33,9 @@ struct Case<'a> {
 /// Steps of which the results are compared.
 const STEPS: usize = 24;
 
+/// The row of a platform whose velocity is that of its last move.
+const PUT_EVERY_STEP: &str = "a platform that is put somewhere every step";
+
 const TABLE: &[(&str, Act)] = &[
     ("nothing", |_, _| {}),
     ("turned every step", |case, step| {
@@ -128,7 +131,7 @@ const TABLE: &[(&str, Act)] = &[
         12 => case.insert(Mass(1.0)),
         _ => {}
     }),
-    ("a platform that is put somewhere every step", |case, step| {
+    (PUT_EVERY_STEP, |case, step| {
         if step == 0 {
             case.insert((
                 RigidBody::Kinematic,
@@ -278,6 +281,11 @@ fn compare(response: Response) {
             world.sim.step(LATENCY);
         }
         for (((name, _), found), wanted) in TABLE.iter().zip(world.motions()).zip(&truth[STEPS]) {
+            let mut wanted = *wanted;
+            if *name == PUT_EVERY_STEP && readback == Readback::Latent {
+                // While the last results are awaited nobody moves it.
+                wanted.linear_velocity = Vec3::ZERO;
+            }
             let off = [
                 found.position.distance(wanted.position),
                 found.linear_velocity.distance(wanted.linear_velocity),
