@@ -3,7 +3,7 @@
 use crate::scene::{Pose, manifold, meshes, touching};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::manifolds::{ManifoldPoint, MarginPair, cpu};
-use bevy_faceoff::queries::ContactWorker;
+use bevy_faceoff::queries::{ContactWorker, MeshContact};
 use bevy_faceoff::state::mesh_arena::MeshArena;
 use bevy_faceoff::state::{Bodies, Body};
 use glam::{DVec3, Vec3};
@@ -30,8 +30,24 @@ fn require_same(case: usize, meshes: [&CollisionMesh; 2], poses: &[Pose; 2], mar
     let wanted = of_step(meshes, poses, margin);
     let [a, b] = [0, 1].map(|i| poses[i].place(meshes[i], DVec3::ZERO));
     let found = manifold(&mut ContactWorker::new(), &a, &b, margin);
-    assert_eq!(found.len(), wanted.len(), "case {case}");
-    for (found, wanted) in found.iter().zip(&wanted) {
+    // A step keeps one of several points at which finely tessellated surfaces touch.
+    let is_round = |point: &ManifoldPoint| {
+        point
+            .curvature_radii
+            .iter()
+            .any(|radius| *radius > 0.0 && radius.is_finite())
+    };
+    if !wanted.iter().any(is_round) {
+        assert_eq!(found.len(), wanted.len(), "case {case}");
+    }
+    let mut next = found.iter();
+    for wanted in &wanted {
+        let same = |found: &&MeshContact| {
+            (found.normal, found.separation, found.faces) == (wanted.normal, wanted.separation, wanted.faces)
+        };
+        let found = next
+            .find(same)
+            .unwrap_or_else(|| panic!("case {case}: {wanted:?} of {found:?}"));
         let anchors = [0, 1].map(|i| {
             let center = [a, b][i].center_of_mass() - [a, b][i].translation();
             (found.anchors[i] - center).as_vec3()
@@ -53,9 +69,6 @@ fn require_same(case: usize, meshes: [&CollisionMesh; 2], poses: &[Pose; 2], mar
                 "case {case}: {aside:?}"
             );
         }
-        let found = (found.normal, found.separation, found.faces);
-        let wanted = (wanted.normal, wanted.separation, wanted.faces);
-        assert_eq!(found, wanted, "case {case}");
     }
     found.len()
 }
