@@ -345,7 +345,7 @@ impl TrianglePair<'_> {
         let points = [a.start + a.along * at_a, b.start + b.along * at_b];
         let way = points[1] - points[0];
         // Edges that cross and touch have a feature without this.
-        (way.length() > wider.rounding && a.faces(way, wider) && b.faces(-way, wider)).then(|| Points {
+        (way.length() > wider.rounding && a.faces(way, wider) && b.faces(-way, wider)).then_some(Points {
             points,
             outward: DVec3::ZERO,
             origin,

@@ -422,7 +422,7 @@ impl<'a> Pair<'a> {
                 .curvature_radii
                 .iter()
                 .any(|radius| *radius > 0.0 && radius.is_finite());
-            if !elsewhere && !(is_round && added.iter().any(is_same)) {
+            if !(elsewhere || is_round && added.iter().any(is_same)) {
                 added.push(point);
                 add(point);
             }

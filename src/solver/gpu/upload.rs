@@ -222,6 +222,5 @@ pub fn contact_point(point: &ManifoldPoint) -> ContactPoint {
         face_a: point.faces[0],
         face_b: point.faces[1],
         normal_rotation: point.normal_rotation,
-        ..Default::default()
     }
 }
