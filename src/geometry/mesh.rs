@@ -141,12 +141,17 @@ impl TriMesh {
         if self.topology.tolerance == tolerance {
             return self;
         }
+        self.with_topology_at(tolerance)
+    }
+
+    /// Computes the whole topology again.
+    fn with_topology_at(mut self, tolerance: f32) -> Self {
         let all = Faces {
             twins: &[],
             ..self.faces()
         };
-        let topology = Box::new(Topology::of(&all, tolerance));
-        Self { topology, ..self }
+        *self.topology = Topology::of(&all, tolerance);
+        self
     }
 
     /// The weld tolerance, relative to the diagonal of the mesh's bounding box.
@@ -211,6 +216,11 @@ impl TriMesh {
         }
         if turned.contains(&true) {
             self.turned = turned;
+        }
+        if self.topology.may_have_twins() {
+            // Which faces count may depend on the winding of the others. A stored mesh is read with that of now.
+            let tolerance = self.topology.tolerance;
+            return self.with_topology_at(tolerance);
         }
         *self.topology = self.faces().rewound((*self.topology).clone());
         self

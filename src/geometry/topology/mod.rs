@@ -111,6 +111,11 @@ impl Topology {
         Self { twins, ..topology }
     }
 
+    /// Whether faces may count once with others: where no edge has more than two of them, none do.
+    pub fn may_have_twins(&self) -> bool {
+        self.is_crowded || !self.twins.is_empty()
+    }
+
     /// Whether it is one surface without a boundary whose faces agree. Then none is doubled or lies inside another.
     pub fn is_one_surface(&self) -> bool {
         self.is_manifold && self.twins.is_empty() && self.component_vertices.len() == 1
