@@ -64,7 +64,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
 }
 
 /// A body as the solver sees it. The ground has infinite mass: zero inverse mass and inertia.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Body {
     velocity: Vec3,
     spin: Vec3,
@@ -73,6 +73,14 @@ struct Body {
 }
 
 impl Body {
+    const GROUND: Self = Self {
+        velocity: Vec3::ZERO,
+        spin: Vec3::ZERO,
+        inverse_mass: 0.0,
+        // The default of a matrix is the identity, which would let the ground turn.
+        inverse_inertia: Mat3::ZERO,
+    };
+
     fn velocity_at(&self, anchor: Vec3) -> Vec3 {
         self.velocity + self.spin.cross(anchor)
     }
@@ -116,7 +124,7 @@ fn solve(
     let dt = time.delta_secs();
     // The next step adds gravity before it moves the bodies, so the solver must know of it.
     let fall = gravity.0 * dt;
-    let mut bodies = vec![Body::default()];
+    let mut bodies = vec![Body::GROUND];
     let mut numbers = HashMap::new();
     for (entity, pose, collider, velocity, spin) in &query {
         let Some(mesh) = meshes.get(&collider.0) else { continue };
