@@ -6,6 +6,7 @@ use crate::solver::SolverBodies;
 use crate::state::manifolds::nearest;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Contact, Manifolds, Plane, StepConfig};
+use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// The distance at which bodies are stopped, as a fraction of the gap between bodies at rest. It is smaller than that
@@ -155,8 +156,11 @@ impl Ccd {
             let i = impact.body as usize;
             had_impact.resize(bodies.len(), false);
             had_impact[i] = true;
-            (solver_bodies.motions[i].center, solver_bodies.motions[i].rotation) =
-                (impact.end.center, impact.end.rotation);
+            let motion = &mut solver_bodies.motions[i];
+            (motion.center, motion.rotation) = (impact.end.center, impact.end.rotation);
+            let velocity = motion.linear_velocity.as_dvec3();
+            let gained = gained_while_held(bodies, config, impact, &sweeps[i], velocity);
+            motion.linear_velocity = (velocity - gained).as_vec3();
         }
         // A body without any motion before its impact has come nearer in each collision substep, because the target
         // distance is halved. It is moved back to the full distance, so that it can move again.
@@ -180,6 +184,21 @@ impl Ccd {
             }
         }
     }
+}
+
+/// The velocity that gravity and the external force gave a body while another one held it after its impact. It has not fallen
+/// meanwhile, so that velocity would be energy from nothing.
+fn gained_while_held(bodies: &Bodies, config: &StepConfig, impact: &Impact, sweep: &Sweep, velocity: DVec3) -> DVec3 {
+    let i = impact.body as usize;
+    let acceleration = bodies.acceleration(i, config.gravity).as_dvec3();
+    let held = (1.0 - f64::from(impact.fraction)) * f64::from(bodies.travel_time[i]);
+    let Some(down) = acceleration.try_normalize().filter(|_| held > 0.0) else {
+        return DVec3::ZERO;
+    };
+    // The body may have gone on with what holds it, or along that.
+    let followed = (impact.end.center - sweep.at(f64::from(impact.fraction)).center) / held;
+    let ahead = (velocity - followed).dot(down).max(0.0);
+    down * ahead.min(acceleration.length() * held)
 }
 
 /// The motion of body `i` from its pose in `bodies` to that in `solver_bodies`.

@@ -27,6 +27,7 @@ pub(super) fn register(app: &mut App) {
         .register_type::<ColliderDisabled>()
         .register_type::<RigidBodyDisabled>()
         .register_type::<Teleport>()
+        .register_type::<DrivenVelocity>()
         .register_type::<Mass>()
         .register_type::<Density>()
         .register_type::<AngularInertia>()

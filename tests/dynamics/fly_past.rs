@@ -12,7 +12,7 @@ use glam::{Mat3, Quat, Vec3};
 const DT: f32 = 1.0 / 64.0;
 
 /// A prism along z, closed, whose outline in the plane of x and y is given counter-clockwise. It must be convex.
-fn prism(outline: &[[f32; 2]], half: f32) -> TriMesh {
+pub fn prism(outline: &[[f32; 2]], half: f32) -> TriMesh {
     let n = outline.len() as u32;
     let ring = |z: f32| outline.iter().map(move |&[x, y]| Vec3::new(x, y, z));
     let vertices: Vec<Vec3> = ring(half).chain(ring(-half)).collect();

@@ -6,6 +6,7 @@
 //! order.
 
 use super::crossing::Crossings;
+use super::eight::GapPair;
 use super::feature::{ARC, BELOW, OUTSIDE, PARALLEL, TrianglePair};
 use super::near::{NOT_LISTED, NearTriangles};
 #[cfg(test)]
@@ -27,8 +28,9 @@ pub struct Candidates {
     /// Triangles of the first and of the second body.
     triangles: [Vec<Listed>; 2],
     pairs: Vec<Candidate>,
-    /// Triangles that may have features between nearest points, by their numbers.
-    pub nearest: Vec<[u32; 2]>,
+    /// Triangles that may have features between nearest points, by their numbers, with lower bounds of their distances when
+    /// they were found.
+    pub nearest: Vec<GapPair>,
     /// Whether any pair may cross after a motion within each of [`FRACTIONS`] of the slack.
     pub may_cross: [bool; FRACTIONS.len()],
 }

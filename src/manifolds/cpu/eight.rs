@@ -34,8 +34,9 @@ pub fn set_gaps<S: Simd>(simd: S, triangles: [&[SmallTriangle]; 2], pairs: &mut 
     }
 }
 
-/// Two triangles, as indices into the triangles of the first and of the second body, and a lower bound of their distance.
-#[derive(Clone, Copy)]
+/// Two triangles, as indices into the triangles of the first and of the second body or as their numbers, and a lower bound of
+/// their distance, metres.
+#[derive(Clone, Copy, Debug)]
 pub struct GapPair {
     pub triangles: [u32; 2],
     pub gap: f32,

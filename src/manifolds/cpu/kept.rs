@@ -65,8 +65,8 @@ pub struct KeptCandidates {
 pub enum Source {
     /// A new search.
     Search(Search),
-    /// What is kept. The bodies have moved by at most this one of [`FRACTIONS`] of the slack.
-    Kept { fraction: usize },
+    /// What is kept. The bodies have moved by `motion`, metres, and at most by this one of [`FRACTIONS`] of the slack.
+    Kept { fraction: usize, motion: f64 },
 }
 
 /// Searches of a pair.
@@ -176,9 +176,11 @@ impl KeptCandidates {
     /// How to find the candidates for `wanted`. Those that a new search finds are then kept here.
     pub fn source(&mut self, pair: &Pair, wanted: &Wanted) -> Source {
         let motion = self.motion_to(pair);
-        if let Some(fraction) = motion.and_then(|motion| self.fraction(wanted, motion)) {
+        if let Some(motion) = motion
+            && let Some(fraction) = self.fraction(wanted, motion)
+        {
             self.uses += 1;
-            return Source::Kept { fraction };
+            return Source::Kept { fraction, motion };
         }
         let distance = self.next_slack(pair, wanted.margin, motion);
         let slack = Slack {

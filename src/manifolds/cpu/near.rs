@@ -158,7 +158,7 @@ impl NearTriangles {
 
     /// Calls `found` for each pair of triangles no farther apart than `most` that may have features between nearest points, by
     /// their numbers. `clusters` and `size` are those of [`NearTriangles::run`].
-    pub fn for_each_nearest(&mut self, size: f32, clusters: &NearClusters, most: f64, mut found: impl FnMut([u32; 2])) {
+    pub fn for_each_nearest(&mut self, size: f32, clusters: &NearClusters, most: f64, mut found: impl FnMut(GapPair)) {
         let Self { firsts, nearest, .. } = self;
         let triangles = [&firsts[..], clusters.triangles()].map(<[_]>::as_flattened);
         let (most, pad) = (most as f32 * (1.0 + f32::EPSILON), PAD * size);
@@ -169,7 +169,10 @@ impl NearTriangles {
         with_simd!(simd => set_gaps(simd, triangles, nearest, pad));
         for pair in nearest.iter().filter(|pair| pair.gap <= most) {
             let [i, j] = pair.triangles.map(|i| i as usize);
-            found([triangles[0][i].number, triangles[1][j].number]);
+            found(GapPair {
+                triangles: [triangles[0][i].number, triangles[1][j].number],
+                gap: pair.gap,
+            });
         }
     }
 

@@ -116,7 +116,7 @@ impl Worker {
         };
         let source = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
         let fraction = match source {
-            Source::Kept { fraction } => fraction,
+            Source::Kept { fraction, .. } => fraction,
             Source::Search(_) => {
                 kept.was_apart = false;
                 0

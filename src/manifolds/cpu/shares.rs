@@ -4,6 +4,7 @@
 
 use super::candidates::Candidates;
 use super::crossing::{Crossings, Segment};
+use super::eight::GapPair;
 use super::feature::{Feature, TrianglePair};
 use super::kept::{KeptCandidates, Source};
 use super::near::NearTriangles;
@@ -117,20 +118,21 @@ impl Shares {
                     if reach <= 0.0 {
                         continue;
                     }
-                    share.near.for_each_nearest(pair.pose.size, clusters, reach, |numbers| {
-                        let triangles = [0, 1].map(|i| pair.sides[i].triangle(numbers[i]));
+                    share.near.for_each_nearest(pair.pose.size, clusters, reach, |found| {
+                        let triangles = [0, 1].map(|i| pair.sides[i].triangle(found.triangles[i]));
                         let Some(both) = TrianglePair::new(&pair.sides, triangles.each_ref(), reach) else {
                             return;
                         };
                         nearest.add(&both);
                         if slack.distance > 0.0 && both.may_have_nearest(reach, slack) {
-                            candidates.nearest.push(numbers);
+                            candidates.nearest.push(found);
                         }
                     });
                 }
-                Source::Kept { .. } if most > 0.0 => {
-                    for &numbers in &candidates.nearest {
-                        let triangles = [0, 1].map(|i| pair.sides[i].triangle(numbers[i]));
+                Source::Kept { motion, .. } if most > 0.0 => {
+                    let within = |found: &&GapPair| f64::from(found.gap) <= most + motion;
+                    for found in candidates.nearest.iter().filter(within) {
+                        let triangles = [0, 1].map(|i| pair.sides[i].triangle(found.triangles[i]));
                         if let Some(both) = TrianglePair::new(&pair.sides, triangles.each_ref(), most) {
                             nearest.add(&both);
                         }
@@ -246,7 +248,7 @@ impl Share {
                 candidates.select(near, sides, search, crossings, found);
                 near.placed()
             }
-            Source::Kept { fraction } => {
+            Source::Kept { fraction, .. } => {
                 candidates.for_each(sides, placed, *fraction, wanted.reach, crossings, found);
                 placed.each_ref().map(Vec::as_slice)
             }

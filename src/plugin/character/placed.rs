@@ -1,7 +1,7 @@
 //! What was placed anew: ground that does not take a character along, and characters that leave their ground.
 
 use super::{Character, CharacterGround};
-use crate::plugin::components::{RigidBodyDisabled, Teleport};
+use crate::plugin::components::{DrivenVelocity, RigidBodyDisabled, Teleport};
 use crate::plugin::sync::Step;
 use crate::plugin::sync::components::velocities;
 use crate::plugin::sync::publish::WrittenTransforms;
@@ -15,6 +15,7 @@ pub(super) struct Moves {
     kind: &'static RigidBody,
     linear: Option<&'static LinearVelocity>,
     angular: Option<&'static AngularVelocity>,
+    driven: Option<&'static DrivenVelocity>,
     teleports: Has<Teleport>,
 }
 
@@ -34,7 +35,7 @@ pub(super) fn leave_placed_ground(
         let body = contact.body;
         let is_placed = bodies
             .get(body)
-            .is_ok_and(|moves| moves.teleports || (!moves.is_driven(body, &step) && is_written(body)));
+            .is_ok_and(|moves| moves.teleports || (!moves.is_driven() && is_written(body)));
         if is_disabled || is_placed {
             *ground = CharacterGround::default();
         }
@@ -43,13 +44,14 @@ pub(super) fn leave_placed_ground(
 
 impl MovesItem<'_, '_> {
     /// Whether it moves along if its `Transform` is written.
-    fn is_driven(&self, body: Entity, step: &Step) -> bool {
+    fn is_driven(&self) -> bool {
         match self.kind {
             RigidBody::Static => true,
             RigidBody::Dynamic => false,
             RigidBody::Kinematic => {
                 let seen = velocities(self.linear, self.angular);
-                step.driven.has_no_velocity(body, seen)
+                let own = self.driven.map_or(seen, |driven| driven.without(seen));
+                own == [Vec3::ZERO; 2]
             }
         }
     }

@@ -149,6 +149,19 @@ pub struct RigidBodyDisabled;
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Teleport;
 
+/// The velocity of a kinematic body that its `Transform` moved in the last step
+/// ([`RigidBody::Kinematic`](crate::types::body::RigidBody::Kinematic)). The step writes it, here and to
+/// [`LinearVelocity`](crate::types::body::LinearVelocity) and [`AngularVelocity`](crate::types::body::AngularVelocity). Where
+/// these still hold it, they do not move the body: only other values are those of the game. It is saved in scenes with them.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DrivenVelocity {
+    /// In m/s, of the centre of mass.
+    pub linear: Vec3,
+    /// In rad/s, in world axes.
+    pub angular: Vec3,
+}
+
 /// Overrides the resource [`Culling`] for this body. It chooses which triangles of this body are tested. The mode of the
 /// other body of a pair chooses among the triangles of that other body.
 #[derive(

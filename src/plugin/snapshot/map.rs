@@ -32,11 +32,12 @@ impl MapEntities for Snapshot {
         mapped.poses = (driven.poses.into_iter())
             .map(|(body, pose)| (mapper.get_mapped(body), pose))
             .collect();
-        mapped.shown = (driven.shown.into_iter())
-            .map(|(body, velocities)| (mapper.get_mapped(body), velocities))
-            .collect();
         mapped.far = driven.far.into_iter().map(|body| mapper.get_mapped(body)).collect();
         self.driven = mapped;
+        let driven_velocities = std::mem::take(&mut self.driven_velocities);
+        self.driven_velocities = (driven_velocities.into_iter())
+            .map(|(body, velocity)| (mapper.get_mapped(body), velocity))
+            .collect();
         let characters = std::mem::take(&mut self.characters);
         self.characters = (characters.into_iter())
             .map(|(character, mut state)| {

@@ -5,7 +5,7 @@ mod map;
 mod plain;
 
 use crate::manifolds::Manifolds;
-use crate::plugin::components::MeshCollider;
+use crate::plugin::components::{DrivenVelocity, MeshCollider};
 #[cfg(feature = "interpolation")]
 use crate::plugin::interpolation;
 use crate::plugin::sync::driven::DrivenBodies;
@@ -81,6 +81,7 @@ pub struct Snapshot {
     nested: NestedBodies,
     /// Kinematic bodies that move by their `Transform`.
     driven: DrivenBodies,
+    driven_velocities: BTreeMap<Entity, DrivenVelocity>,
     characters: BTreeMap<Entity, CharacterState>,
     /// The solver's memory from step to step.
     memory: StepMemory,
@@ -117,6 +118,9 @@ impl Snapshot {
                 (entity, motion)
             })
             .collect();
+        let driven_velocities = (world.query::<(Entity, &DrivenVelocity)>().iter(world))
+            .map(|(entity, &driven)| (entity, driven))
+            .collect();
         let characters = characters::take(world);
         let Some(mut step) = world.get_resource_mut::<Step>() else {
             return Self::default();
@@ -132,6 +136,7 @@ impl Snapshot {
             touching: step.touching.clone(),
             nested: step.nested.clone(),
             driven: step.driven.at_rest(),
+            driven_velocities,
             characters,
             ..default()
         };
@@ -177,6 +182,10 @@ impl Snapshot {
             }
             if let Some(mut angular) = body.get_mut::<AngularVelocity>() {
                 angular.0 = motion.angular_velocity;
+            }
+            match self.driven_velocities.get(&entity) {
+                Some(&driven) => _ = body.insert(driven),
+                None => _ = body.remove::<DrivenVelocity>(),
             }
             if let Some(mut sleeping) = body.get_mut::<Sleeping>() {
                 // A component that disagrees with the solver would wake the body.

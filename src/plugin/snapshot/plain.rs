@@ -3,6 +3,7 @@
 use super::Snapshot;
 use super::characters::PlainCharacter;
 use crate::manifolds::Manifolds;
+use crate::plugin::components::DrivenVelocity;
 use crate::plugin::sync::Touching;
 use crate::plugin::sync::driven::DrivenBodies;
 use crate::plugin::sync::hierarchy::{Nested, NestedBodies, Posed};
@@ -17,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Grows with every change of what is written.
-const FORMAT: u32 = 4;
+const FORMAT: u32 = 5;
 
 /// The bits of an [`Entity`].
 pub(super) type Bits = u64;
@@ -36,7 +37,7 @@ pub(super) struct Plain {
     driven: Vec<(Bits, Pose)>,
     driven_far: Vec<Bits>,
     /// The velocities of those that moved in the last step.
-    driven_velocities: Vec<(Bits, [Vec3; 2])>,
+    driven_velocities: Vec<(Bits, DrivenVelocity)>,
     characters: Vec<PlainCharacter>,
     memory: StepMemory,
     manifolds: Manifolds,
@@ -84,6 +85,7 @@ impl From<Snapshot> for Plain {
             touching,
             nested,
             driven,
+            driven_velocities,
             characters,
             memory,
             manifolds,
@@ -101,10 +103,9 @@ impl From<Snapshot> for Plain {
         poses.sort_unstable_by_key(|&(body, _)| body);
         let mut driven_far: Vec<_> = driven.far.into_iter().map(bits).collect();
         driven_far.sort_unstable();
-        let mut driven_velocities: Vec<_> = (driven.shown.into_iter())
+        let driven_velocities = (driven_velocities.into_iter())
             .map(|(body, velocities)| (bits(body), velocities))
             .collect();
-        driven_velocities.sort_unstable_by_key(|&(body, _)| body);
         Self {
             format: FORMAT,
             bodies: (bodies.into_iter())
@@ -175,7 +176,7 @@ impl TryFrom<Plain> for Snapshot {
             bodies.far.insert(entity(body)?);
         }
         for (body, velocities) in driven_velocities {
-            bodies.shown.insert(entity(body)?, velocities);
+            snapshot.driven_velocities.insert(entity(body)?, velocities);
         }
         snapshot.driven = bodies;
         snapshot.characters = (characters.into_iter())

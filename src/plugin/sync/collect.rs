@@ -289,7 +289,9 @@ impl Reader<'_, '_> {
     /// The velocities of a body, without those that the step has written to a kinematic one.
     fn velocities(&mut self, body: &BodyComponentsItem) -> [Vec3; 2] {
         let kind = body.kind.copied().unwrap_or(RigidBody::Static);
-        self.step.driven.velocities(body.entity, kind, body.velocities())
+        self.step
+            .driven
+            .velocities(body.entity, kind, body.velocities(), body.driven)
     }
 
     /// Notes a kinematic body that moves by its `Transform`. What pushes nothing is better tested where it is put.

@@ -21,6 +21,7 @@ pub(crate) struct BodyComponents {
     pub collider_disabled: Has<ColliderDisabled>,
     pub body_disabled: Has<RigidBodyDisabled>,
     pub teleports: Has<Teleport>,
+    pub driven: Option<&'static DrivenVelocity>,
     pub surface: SurfaceComponents,
     pub transform: &'static Transform,
     pub parent: Option<&'static ChildOf>,

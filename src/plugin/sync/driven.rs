@@ -1,6 +1,7 @@
 //! Kinematic bodies that move by their `Transform`: in each step they go from their last pose to the written one.
 
 use super::oddities::{Oddities, Oddity};
+use crate::plugin::components::DrivenVelocity;
 use crate::state::{Bodies, Departure};
 use crate::types::body::RigidBody;
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
@@ -18,21 +19,26 @@ pub(crate) struct DrivenBodies {
     departures: Vec<(Entity, (Vec3, Quat))>,
     /// Those that have moved very far in one step.
     pub far: EntityHashSet,
-    /// The velocities that the last step has written to the components of those that it moved. They do not move a body
-    /// again: only other values are those of a user.
-    pub shown: EntityHashMap<[Vec3; 2]>,
     /// What this step writes to the velocities of others, which moved in the last one.
     stopped: Vec<(Entity, [Vec3; 2])>,
     /// The velocities of those that move in this step.
     moving: Vec<(Entity, [Vec3; 2])>,
 }
 
+impl DrivenVelocity {
+    /// The velocities `seen` of its body without those that the step has written.
+    pub(crate) fn without(&self, seen: [Vec3; 2]) -> [Vec3; 2] {
+        let written = [self.linear, self.angular];
+        [0, 1].map(|i| if seen[i] == written[i] { Vec3::ZERO } else { seen[i] })
+    }
+}
+
 impl DrivenBodies {
     /// Takes those of the last step, to be replaced by those of this one.
     pub fn take(&mut self) -> Self {
-        let (far, shown) = (std::mem::take(&mut self.far), std::mem::take(&mut self.shown));
+        let far = std::mem::take(&mut self.far);
         let before = std::mem::take(self);
-        (self.far, self.shown) = (far, shown);
+        self.far = far;
         before
     }
 
@@ -53,31 +59,29 @@ impl DrivenBodies {
         Self {
             poses: self.poses.clone(),
             far: self.far.clone(),
-            shown: self.shown.clone(),
             ..Self::default()
         }
     }
 
-    /// The linear and angular velocity of a body whose components hold `seen`. Those that the step has written do not count
-    /// for a kinematic body.
-    pub fn velocities(&mut self, entity: Entity, kind: RigidBody, seen: [Vec3; 2]) -> [Vec3; 2] {
-        let Some(shown) = self.shown.remove(&entity) else {
+    /// The linear and angular velocity of a body whose components hold `seen` and `driven`. Those that the step has written do not
+    /// count for a kinematic body.
+    pub fn velocities(
+        &mut self,
+        entity: Entity,
+        kind: RigidBody,
+        seen: [Vec3; 2],
+        driven: Option<&DrivenVelocity>,
+    ) -> [Vec3; 2] {
+        let Some(driven) = driven else {
             return seen;
         };
-        if kind != RigidBody::Kinematic {
-            return seen;
-        }
-        let own = [0, 1].map(|i| if seen[i] == shown[i] { Vec3::ZERO } else { seen[i] });
+        let own = if kind == RigidBody::Kinematic {
+            driven.without(seen)
+        } else {
+            seen
+        };
         self.stopped.push((entity, own));
         own
-    }
-
-    /// Whether no user has set the velocities `seen` of a kinematic body.
-    pub fn has_no_velocity(&self, entity: Entity, seen: [Vec3; 2]) -> bool {
-        let shown = self.shown.get(&entity).copied().unwrap_or_default();
-        seen.into_iter()
-            .zip(shown)
-            .all(|(seen, shown)| seen == Vec3::ZERO || seen == shown)
     }
 
     /// Notes with which velocities bodies move in this step.
@@ -86,14 +90,14 @@ impl DrivenBodies {
         self.moving = moving.collect();
     }
 
-    /// Calls `write` with the velocities that the components are to hold after this step.
-    pub fn show(&mut self, mut write: impl FnMut(Entity, [Vec3; 2])) {
+    /// Calls `write` with the velocities that the components are to hold after this step, and with whether they are those of a
+    /// body that its `Transform` moved.
+    pub fn show(&mut self, mut write: impl FnMut(Entity, [Vec3; 2], bool)) {
         for (entity, velocities) in self.stopped.drain(..) {
-            write(entity, velocities);
+            write(entity, velocities, false);
         }
         for (entity, velocities) in self.moving.drain(..) {
-            write(entity, velocities);
-            self.shown.insert(entity, velocities);
+            write(entity, velocities, true);
         }
     }
 

@@ -11,6 +11,7 @@ use crate::plugin::settings::EventHysteresis;
 use crate::state::StepInput;
 use crate::types::body::*;
 use bevy::ecs::change_detection::Tick;
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::prelude::*;
 
@@ -41,18 +42,38 @@ pub(crate) fn use_up_teleports(step: Res<Step>, teleported: Query<Entity, With<T
 /// Writes the velocities of bodies that move by their `Transform`. Like their poses they are known before the results.
 pub(crate) fn show_driven(
     mut step: ResMut<Step>,
-    mut bodies: Query<(Option<&mut LinearVelocity>, Option<&mut AngularVelocity>)>,
+    mut bodies: Query<(
+        Option<&mut LinearVelocity>,
+        Option<&mut AngularVelocity>,
+        Option<&mut DrivenVelocity>,
+    )>,
+    mut commands: Commands,
 ) {
-    step.driven.show(|entity, [v, w]| {
-        if let Ok((linear, angular)) = bodies.get_mut(entity) {
-            if let Some(mut linear) = linear {
-                linear.set_if_neq(LinearVelocity(v));
-            }
-            if let Some(mut angular) = angular {
-                angular.set_if_neq(AngularVelocity(w));
-            }
+    let mut stopped = EntityHashSet::default();
+    step.driven.show(|entity, [v, w], is_moved| {
+        let Ok((linear, angular, driven)) = bodies.get_mut(entity) else {
+            return;
+        };
+        if let Some(mut linear) = linear {
+            linear.set_if_neq(LinearVelocity(v));
+        }
+        if let Some(mut angular) = angular {
+            angular.set_if_neq(AngularVelocity(w));
+        }
+        if !is_moved {
+            stopped.insert(entity);
+            return;
+        }
+        stopped.remove(&entity);
+        let now = DrivenVelocity { linear: v, angular: w };
+        match driven {
+            Some(mut driven) => *driven = now,
+            None => _ = commands.entity(entity).insert(now),
         }
     });
+    for entity in stopped {
+        commands.entity(entity).remove::<DrivenVelocity>();
+    }
 }
 
 /// Waits for the results of the oldest pending step and publishes them. Returns false if there are none.
