@@ -141,7 +141,7 @@ impl Motions {
 
     /// From `time` on the body at a place, a group of its own, slides along that at the place `carrier`, whose surface it
     /// touches there: it only does not come nearer. `normal` leads from that surface to the body, at the start of the collision
-    /// substep.
+    /// substep. From its second slide on it turns with the carrier: if it spins, its next corner would meet the surface at once.
     pub fn slide(
         &mut self,
         ground: &Ground<impl Fn([u32; 2]) -> bool>,
@@ -153,14 +153,19 @@ impl Motions {
         let carrying = self.all[carrier as usize].sweep;
         let normal = DQuat::from_scaled_axis(carrying.turn) * normal;
         let carried = self.travel_with(carrier, time, place);
+        let carried_turn = self.all[carrier as usize].after(time).turn;
         let motion = &mut self.all[place as usize];
         let own = motion.after(time);
         let body = motion.body as usize;
         let locked = ground.bodies.params[body].locked_axes;
         let pushed = own.travel + normal * (carried - own.travel).dot(normal).max(0.0);
         let travel = ground.limit_penetration(body, &own, pushed) * locked.free_translation().as_dvec3();
+        let turn = match motion.slides {
+            0 => own.turn,
+            _ => carried_turn * locked.free_rotation().as_dvec3(),
+        };
         let group = motion.group;
-        motion.change(time, group, travel, own.turn);
+        motion.change(time, group, travel, turn);
         motion.slides += 1;
         self.changed.push(place);
     }

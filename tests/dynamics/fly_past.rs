@@ -12,7 +12,7 @@ use glam::{Mat3, Quat, Vec3};
 const DT: f32 = 1.0 / 64.0;
 
 /// A prism along z, closed, whose outline in the plane of x and y is given counter-clockwise. It must be convex.
-pub fn prism(outline: &[[f32; 2]], half: f32) -> TriMesh {
+pub(super) fn prism(outline: &[[f32; 2]], half: f32) -> TriMesh {
     let n = outline.len() as u32;
     let ring = |z: f32| outline.iter().map(move |&[x, y]| Vec3::new(x, y, z));
     let vertices: Vec<Vec3> = ring(half).chain(ring(-half)).collect();
@@ -300,54 +300,28 @@ fn met(paths: &[MovingMesh; 2]) -> Option<f64> {
     (!is_near).then_some(0.0)
 }
 
-#[test]
-fn random_pairs_that_pass_are_not_deflected_and_those_that_hit_are_not_missed() {
-    for (seed, spins) in [(1, false), (2, true)] {
-        let passes = throw(seed, 1024, spins);
-        println!("{passes:?}");
-        assert!(passes.free > 200 && passes.hits > 200, "{passes:?}");
-        assert_eq!((passes.deflected, passes.missed), (0, 0), "{passes:?}");
-    }
-}
-
-/// The largest speed that a ball at rest gets from a kinematic blade that sweeps it up, over the speed of the blade's tip.
-fn swept_up(spin: f32, at: f32, continuous: bool) -> f32 {
-    let mut world = World::weightless();
-    let blade = world.mesh(&cuboid(Vec3::new(4.0, 0.4, 0.05)));
-    let ball = world.mesh(&shapes::ball(0.15, 3));
-    world.put(&Body {
-        kind: RigidBody::Kinematic,
-        angular_velocity: Vec3::Y * spin,
-        ..Body::at_rest(blade, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)
-    });
-    let ball = world.put(&Body {
-        params: BodyParams {
-            continuous,
-            ..BodyParams::default()
-        },
-        ..Body::at_rest(ball, Vec3::new(at, 0.0, -1.0), Quat::IDENTITY, Vec3::ONE)
-    });
-    let mut fastest: f32 = 0.0;
-    for _ in 0..64 {
-        world.step();
-        fastest = fastest.max(world.velocity(ball).length());
-    }
-    fastest / (2.0 * spin)
+/// Pairs that pass are not deflected, and those that hit are not missed.
+fn check_throws(seed: u64, count: usize, spins: bool) {
+    let passes = throw(seed, count, spins);
+    println!("{passes:?}");
+    assert!(passes.free.min(passes.hits) > count / 5, "{passes:?}");
+    assert_eq!((passes.deflected, passes.missed), (0, 0), "{passes:?}");
 }
 
 #[test]
-fn a_blade_gives_a_ball_no_more_than_its_own_speed() {
-    for spin in [20.0, 60.0] {
-        for at in [0.5, 1.0, 1.5] {
-            for continuous in [false, true] {
-                let speed = swept_up(spin, at, continuous);
-                // Theory: a bead that leaves a rod has the square root of 2 times the speed of the tip, at most. A blade turns by
-                // up to 0.12 in a collision substep.
-                assert!(
-                    (0.9..1.6).contains(&speed),
-                    "{spin} rad/s, {at} m, {continuous}: {speed}"
-                );
-            }
-        }
+fn random_pairs_that_do_not_meet_pass_each_other() {
+    check_throws(1, 5_000, false);
+}
+
+#[test]
+fn random_pairs_that_turn_and_do_not_meet_pass_each_other() {
+    check_throws(2, 5_000, true);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn many_random_pairs_that_do_not_meet_pass_each_other() {
+    for (seed, spins) in [(3, false), (4, true)] {
+        check_throws(seed, 50_000, spins);
     }
 }

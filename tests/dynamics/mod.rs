@@ -1,5 +1,6 @@
 //! Steps with contacts, without an app: bodies at rest, hanging chains, falling and colliding bodies.
 
+mod blades;
 mod bounce;
 mod bullets;
 mod chain;
@@ -7,7 +8,7 @@ mod cloud;
 mod coins;
 mod compounds;
 mod elastic;
-pub mod fly_past;
+mod fly_past;
 mod groups;
 mod hammers;
 mod incline;
