@@ -166,6 +166,7 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     feature.b = select(inner_triangle, triangle, outer_is_second);
     let at = atomicAdd(&contact_counters[t::FEATURES], 1u);
     pair_setups[index].feature_count = 0u;
+    pair_setups[index].nearest_count = 0u;
     if at < limits.features {
         features[at] = feature;
         pair_setups[index].first_probe = at;

@@ -98,7 +98,7 @@ fn keep(setup: t::PairSetup, count: u32) -> u32 {
 
 // Selects features and returns their number.
 fn choose(setup: t::PairSetup, thread: u32) -> u32 {
-    let all = setup.feature_count + setup.deep_count + setup.probe_count;
+    let all = setup.feature_count + setup.nearest_count + setup.deep_count + setup.probe_count;
     var best_value = -t::DROPPED;
     var place = t::NOTHING;
     for (var i = thread; i < all; i += 64u) {
@@ -164,7 +164,11 @@ fn feature_at(setup: t::PairSetup, i: u32) -> u32 {
     if i < setup.feature_count {
         return setup.first_feature + i;
     }
-    let j = i - setup.feature_count;
+    var j = i - setup.feature_count;
+    if j < setup.nearest_count {
+        return setup.first_nearest + j;
+    }
+    j -= setup.nearest_count;
     if j < setup.deep_count {
         return setup.first_deep + j;
     }

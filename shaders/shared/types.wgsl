@@ -465,7 +465,12 @@ struct PairSetup {
     is_split: u32,
     // With which b rotates relative to a, in a's axes.
     spin: vec3<f32>,
-    padding: f32,
+    // Features between nearest points.
+    first_nearest: u32,
+    nearest_count: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // A piece of a pair of large meshes: the parts below two nodes, and what is found there.
@@ -482,7 +487,7 @@ struct NearPiece {
     padding: u32,
 }
 
-// A contact feature: vertex-face, edge-edge, or a point that stands for a deep overlap.
+// A contact feature: vertex-face, edge-edge, between nearest points, or a point that stands for a deep overlap.
 struct Feature {
     point_a: vec3<f32>,
     // Signed distance from the first point to the second along the normal; `DROPPED` if the feature does not count.
@@ -492,7 +497,8 @@ struct Feature {
     distance: f32,
     // Unit vector from the first body to the second.
     normal: vec3<f32>,
-    // Number of the vertex, with the bit `OF_SECOND` if it belongs to the second body; `NOTHING` for other features.
+    // Number of the vertex over a face, with the bit `OF_SECOND` if it belongs to the second body; `NOTHING` for other
+    // features.
     vertex: u32,
     // Triangles on which the points lie.
     a: u32,

@@ -223,7 +223,8 @@ layout! {
         window_direction: Vec3, first_segment: u32,
         segment_count: u32, first_feature: u32, feature_count: u32, first_deep: u32,
         deep_count: u32, first_probe: u32, probe_count: u32, is_split: u32,
-        spin: Vec3, padding: f32,
+        spin: Vec3, first_nearest: u32,
+        nearest_count: u32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// A piece of a pair of large meshes, and what contact generation finds there.
     NearPiece {

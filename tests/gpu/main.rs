@@ -18,6 +18,9 @@ mod oracle;
 mod parity;
 mod primitives;
 mod solver;
+#[allow(dead_code)]
+#[path = "../core/support.rs"]
+mod support;
 #[path = "../common/world.rs"]
 mod world;
 

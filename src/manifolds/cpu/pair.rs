@@ -48,8 +48,8 @@ const DEEPER: f64 = 1.02;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
-    /// Leaves out what a GPU lacks: features between nearest points, overlaps at rims, the vertices that reach deepest, and
-    /// that points do not count where bodies fly past each other.
+    /// Leaves out what a GPU lacks: overlaps at rims, the vertices that reach deepest, and that points do not count where bodies
+    /// fly past each other.
     pub as_device: bool,
     shares: Shares,
     contours: Contours,
@@ -112,7 +112,7 @@ impl Worker {
             range: -touch..=margin,
             reach: margin + touch,
             window: None,
-            nearest: !self.as_device,
+            nearest: true,
         };
         let source = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
         let fraction = match source {

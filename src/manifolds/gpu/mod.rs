@@ -8,6 +8,7 @@
 //! | split | pair | the pieces of large pairs, as in TriangleTest |
 //! | near | pair, or piece | pairs of triangles no farther apart than the margin, by both bounding-volume trees |
 //! | features | pair, or piece | vertex-face and edge-edge features, segments in which triangles cross |
+//! | near features | pair | features between nearest points, and which of them count |
 //! | contour | pair | contours and patches |
 //! | depth | pair | patches that are too deep for features; the window of the second search |
 //! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
@@ -37,8 +38,8 @@
 //! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components, or to
 //! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table.
 //!
-//! Not here yet, so that a device does not find them: features between nearest points, overlaps at the rims of open meshes, the
-//! vertices that reach deepest into the other body, and points that do not count because the bodies fly past each other.
+//! Not here yet, so that a device does not find them: overlaps at the rims of open meshes, the vertices that reach deepest into
+//! the other body, and points that do not count because the bodies fly past each other.
 //!
 //! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
@@ -52,7 +53,7 @@ mod reduce;
 pub use batches::BatchSize;
 pub use buffers::{ContactBuffers, ContactCapacity, ContactScratch};
 
-use super::cpu::{contour, feature, pair, planes, precision, side, smooth};
+use super::cpu::{contour, feature, near_features, nearest, pair, planes, precision, side, smooth};
 use crate::geometry::features::MIN_TURN;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
@@ -80,6 +81,8 @@ const FEATURES_OF_PIECES: [Kernel; 2] = [
     kernel!("manifolds/features", "PIECES"),
     kernel!("manifolds/features", "DEEP PIECES"),
 ];
+/// Finds the features between nearest points that count.
+const NEAR_FEATURES: Kernel = kernel!("manifolds/near_features");
 /// Joins contours and computes patches.
 const CONTOUR: Kernel = kernel!("manifolds/contour");
 /// Measures how deep bodies overlap at patches.
@@ -110,6 +113,9 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 FLAT = feature::FLAT;
     f32 PARALLEL = feature::PARALLEL;
     f32 OUTSIDE = feature::OUTSIDE;
+    f32 ALONG = nearest::ALONG;
+    f32 NEARER = near_features::NEARER;
+    f32 BESIDE = near_features::BESIDE;
     f32 SAME_PLACE = side::SAME_PLACE;
     f32 NUDGE = side::NUDGE;
     f32 MIN_AGREEMENT = contour::MIN_AGREEMENT;
@@ -138,6 +144,8 @@ pub const SHADERS: Shaders = Shaders {
         module!("manifolds/contact_slots"),
         module!("manifolds/side"),
         module!("manifolds/feature"),
+        module!("manifolds/nearest"),
+        module!("manifolds/known_vertices"),
         module!("manifolds/smooth"),
         module!("manifolds/near_boxes"),
         module!("manifolds/near_patches"),
@@ -157,6 +165,7 @@ pub const SHADERS: Shaders = Shaders {
         &FEATURES_OF_PIECES[0],
         &FEATURES[1],
         &FEATURES_OF_PIECES[1],
+        &NEAR_FEATURES,
         &CONTOUR,
         &DEPTH,
         &ADMIT,

@@ -26,6 +26,9 @@ mod pour;
 mod reach;
 #[path = "../../dynamics/rest.rs"]
 mod rest;
+#[path = "../../dynamics/rims.rs"]
+#[allow(dead_code)]
+mod rims;
 #[path = "../../dynamics/rolling.rs"]
 #[allow(dead_code, unused_imports)]
 mod rolling;
@@ -95,6 +98,9 @@ pub const TESTS: &[Test] = &tests! {
     what_meets_nothing_needs_one_collision_substep: reach::meets_nothing();
     what_meets_a_plate_has_as_many_substeps_as_on_the_cpu: reach::meets_a_plate();
     hammers_need_as_many_substeps_as_on_the_cpu: reach::as_on_the_cpu();
+    a_rim_holds_a_ball: [0.0, 1.0e-3, 0.02].into_iter().for_each(rims::hold_a_ball);
+    sheets_that_meet_rim_to_rim_do_not_pass: rims::MEETINGS.into_iter().for_each(rims::meet_rim_to_rim);
+    an_edge_holds_a_parallel_edge_with_the_same_ends: rims::EDGES.into_iter().for_each(rims::hold_an_edge);
     an_impact_far_away_changes_nothing: groups::far_impact(4, 100);
     billiard_balls_pass_on_their_momentum: groups::billiards();
     a_formation_with_a_fast_spinner_stays_together: groups::spinner();

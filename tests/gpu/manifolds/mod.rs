@@ -12,6 +12,10 @@ mod compare;
 mod concave;
 mod convex;
 mod inside;
+mod nearest;
+#[allow(dead_code)]
+#[path = "../../core/nearest.rs"]
+mod nearest_pairs;
 mod planes;
 mod same_bits;
 
@@ -36,6 +40,7 @@ pub const TESTS: &[Test] = &[
     ("overlaps_of_any_size", concave::overlaps_of_any_size),
     ("far_from_the_origin", convex::far_from_the_origin),
     ("one_inside_the_other", inside::one_inside_the_other),
+    ("nearest_points", nearest::are_found),
     ("half_spaces", planes::half_spaces),
     ("half_spaces_under_round_ones", planes::round_ones),
     ("half_spaces_among_pairs", planes::among_pairs),
