@@ -9,6 +9,7 @@
 #import faceoff::dispatch::group_index
 #import faceoff::features::TrianglePair
 #import faceoff::known_vertices::{clear, enter, least_separation, put, separation_of, word}
+#import faceoff::near_ranges::{range_count, range_of}
 #import faceoff::nearest::{CORNER_EDGES, EDGE_CORNERS, EDGE_EDGES, OVER_SECOND, candidates, feature_of}
 #import faceoff::sides
 #import faceoff::types as t
@@ -19,7 +20,6 @@
 // The two triangles. Then a word of which the lower half holds what `features.wgsl` has found, and the upper half the last of
 // the candidates that count; the others are in the last word.
 @group(0) @binding(5) var<storage, read_write> near_triangles: array<vec4<u32>>;
-@group(0) @binding(7) var<storage, read> near_pieces: array<t::NearPiece>;
 
 // Where `features.wgsl` has its bits of pairs of edges.
 const EDGE_BITS_AT: u32 = 6u;
@@ -56,20 +56,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     found = 0u;
     nearest = t::DROPPED;
-    // If not all pieces fit, none has told what it found.
-    let piece_count = atomicLoad(&contact_counters[t::NEAR_PIECES]);
-    let told = select(setup.near_count, 0u, piece_count > limits.pieces);
-    let range_count = agree(thread, select(1u, told, setup.is_split != 0u));
+    let pieces = atomicLoad(&contact_counters[t::NEAR_PIECES]);
+    let ranges = agree(thread, range_count(setup, pieces, limits.pieces));
     var first = 0u;
     var most_of_solids = of_solids;
     // A loop of two rounds, so that compilers do not write what they share twice.
     for (var phase = 0u; phase < 2u; phase += 1u) {
         var next = first;
-        for (var i = 0u; i < range_count; i += 1u) {
-            var range = vec2(setup.first_near, setup.near_count);
-            if setup.is_split != 0u {
-                range = vec2(near_pieces[setup.first_near + i].first_near, near_pieces[setup.first_near + i].near_count);
-            }
+        for (var i = 0u; i < ranges; i += 1u) {
+            let range = range_of(setup, i);
             let start = agree(thread, range.x);
             let count = agree(thread, range.y);
             for (var round = 0u; round < count; round += 64u) {
@@ -258,6 +253,7 @@ fn write(at: u32, feature: t::Feature) {
     put(at, 11u, feature.vertex);
     put(at, 12u, feature.a);
     put(at, 13u, feature.b);
+    put(at, 14u, feature.origin);
 }
 
 fn put_vector(at: u32, offset: u32, v: vec3<f32>) {

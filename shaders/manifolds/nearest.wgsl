@@ -150,7 +150,7 @@ fn edge_outward(edge: Edge) -> vec3<f32> {
 // The feature of a point of the first body and one of the second. If they touch, their way is rounding only, and the features
 // lie outward in these directions.
 fn between(
-    pair: TrianglePair, p: vec3<f32>, q: vec3<f32>, outward_a: vec3<f32>, outward_b: vec3<f32>, vertex: u32
+    pair: TrianglePair, p: vec3<f32>, q: vec3<f32>, outward_a: vec3<f32>, outward_b: vec3<f32>, vertex: u32, origin: u32
 ) -> t::Feature {
     let way = q - p;
     let distance = length(way);
@@ -167,20 +167,21 @@ fn between(
     feature.normal = normal;
     feature.separation = distance;
     feature.vertex = vertex;
+    feature.origin = origin;
     feature.a = pair.a.number;
     feature.b = pair.b.number;
     return feature;
 }
 
-// The same for a point of `side` and one of the other side.
+// The same for a vertex of `side` and a point of the other side.
 fn between_sides(
     side: sides::Side, pair: TrianglePair, own: vec3<f32>, other: vec3<f32>, outward: vec3<f32>, other_outward: vec3<f32>,
-    vertex: u32
+    vertex: u32, origin: u32
 ) -> t::Feature {
     if side.mark != 0u {
-        return between(pair, other, own, other_outward, outward, vertex);
+        return between(pair, other, own, other_outward, outward, vertex, origin | t::VERTEX_OF_SECOND);
     }
-    return between(pair, own, other, outward, other_outward, vertex);
+    return between(pair, own, other, outward, other_outward, vertex, origin);
 }
 
 fn of_corners(a: sides::Side, b: sides::Side, pair: TrianglePair, k: u32, l: u32, most: f32) -> t::Feature {
@@ -202,7 +203,7 @@ fn of_corners(a: sides::Side, b: sides::Side, pair: TrianglePair, k: u32, l: u32
         outward_a = corner_outward(a, v, p);
         outward_b = corner_outward(b, w, q);
     }
-    return between(pair, p, q, outward_a, outward_b, t::NOTHING);
+    return between(pair, p, q, outward_a, outward_b, t::NOTHING, t::OF_VERTICES);
 }
 
 // Corner k of this side and edge l of the other.
@@ -242,7 +243,7 @@ fn of_corner_and_edge(
         outward = corner_outward(side, vertex, p);
         other_outward = edge_outward(edge);
     }
-    return between_sides(side, pair, p, foot, outward, other_outward, t::NOTHING);
+    return between_sides(side, pair, p, foot, outward, other_outward, t::NOTHING, t::OF_VERTEX_EDGE);
 }
 
 fn of_edges(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l: u32, most: f32) -> t::Feature {
@@ -281,7 +282,8 @@ fn of_edges(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l: u32
         || !edge_faces(edge_of(sb, pair.b.number, l), -way, pair.rounding) {
         return none();
     }
-    return between(pair, p, q, vec3(0.0), vec3(0.0), t::NOTHING);
+    let origin = t::OF_EDGES | (k << t::FIRST_EDGE_SHIFT) | (l << t::SECOND_EDGE_SHIFT);
+    return between(pair, p, q, vec3(0.0), vec3(0.0), t::NOTHING, origin);
 }
 
 // Corner k of this side over the back of the other side's face.
@@ -309,5 +311,5 @@ fn over_back(
     if !corner_faces(side, vertex, p, foot - p, pair.rounding) {
         return none();
     }
-    return between_sides(side, pair, p, foot, vec3(0.0), vec3(0.0), vertex | side.mark);
+    return between_sides(side, pair, p, foot, vec3(0.0), vec3(0.0), vertex | side.mark, t::OF_VERTEX);
 }

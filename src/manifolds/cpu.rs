@@ -1,6 +1,6 @@
 //! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
-mod arrival;
+pub(super) mod arrival;
 mod boxed;
 mod candidates;
 pub(super) mod contour;
@@ -242,7 +242,7 @@ fn add_points(
         return true;
     }
     let first = points.len();
-    let (chosen, dropped) = match motion.as_ref().filter(|_| !worker.as_device) {
+    let (chosen, dropped) = match motion {
         Some(motion) => worker.reduced_in_motion(&pair, *margin, motion, kept, threads),
         None => (worker.reduced(&pair, *margin, kept, threads), false),
     };

@@ -5,6 +5,7 @@
 mod app;
 #[cfg(feature = "bevy")]
 mod apps;
+mod ccd;
 #[cfg(feature = "cli")]
 mod cli;
 mod contract;

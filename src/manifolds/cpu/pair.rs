@@ -48,8 +48,7 @@ const DEEPER: f64 = 1.02;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
-    /// Leaves out what a GPU lacks: overlaps at rims, the vertices that reach deepest, and that points do not count where bodies
-    /// fly past each other.
+    /// Leaves out what a GPU lacks: overlaps at rims, and the vertices that reach deepest.
     pub as_device: bool,
     shares: Shares,
     contours: Contours,

@@ -9,6 +9,8 @@
 //! | near | pair, or piece | pairs of triangles no farther apart than the margin, by both bounding-volume trees |
 //! | features | pair, or piece | vertex-face and edge-edge features, segments in which triangles cross |
 //! | near features | pair | features between nearest points, and which of them count |
+//! | arrival | pair | which speculative points count: those where the surfaces meet, if they move |
+//! | first contact | pair | where pairs meet of which points do not count |
 //! | contour | pair | contours and patches |
 //! | depth | pair | patches that are too deep for features; the window of the second search |
 //! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
@@ -38,8 +40,8 @@
 //! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components, or to
 //! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table.
 //!
-//! Not here yet, so that a device does not find them: overlaps at the rims of open meshes, the vertices that reach deepest into
-//! the other body, and points that do not count because the bodies fly past each other.
+//! Not here yet, so that a device does not find them: overlaps at the rims of open meshes, and the vertices that reach deepest
+//! into the other body.
 //!
 //! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
@@ -53,7 +55,7 @@ mod reduce;
 pub use batches::BatchSize;
 pub use buffers::{ContactBuffers, ContactCapacity, ContactScratch};
 
-use super::cpu::{contour, feature, near_features, nearest, pair, planes, precision, side, smooth};
+use super::cpu::{arrival, contour, feature, near_features, nearest, pair, planes, precision, side, smooth};
 use crate::geometry::features::MIN_TURN;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
@@ -83,6 +85,10 @@ const FEATURES_OF_PIECES: [Kernel; 2] = [
 ];
 /// Finds the features between nearest points that count.
 const NEAR_FEATURES: Kernel = kernel!("manifolds/near_features");
+/// Drops speculative points where the surfaces do not meet.
+const ARRIVAL: Kernel = kernel!("manifolds/arrival");
+/// Finds where pairs meet of which points were dropped.
+const FIRST_CONTACT: Kernel = kernel!("manifolds/first_contact");
 /// Joins contours and computes patches.
 const CONTOUR: Kernel = kernel!("manifolds/contour");
 /// Measures how deep bodies overlap at patches.
@@ -114,6 +120,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 PARALLEL = feature::PARALLEL;
     f32 OUTSIDE = feature::OUTSIDE;
     f32 ALONG = nearest::ALONG;
+    f32 ARRIVAL_TOLERANCE = arrival::TOLERANCE;
     f32 NEARER = near_features::NEARER;
     f32 BESIDE = near_features::BESIDE;
     f32 SAME_PLACE = side::SAME_PLACE;
@@ -146,6 +153,10 @@ pub const SHADERS: Shaders = Shaders {
         module!("manifolds/feature"),
         module!("manifolds/nearest"),
         module!("manifolds/known_vertices"),
+        module!("manifolds/near_ranges"),
+        module!("manifolds/closest"),
+        module!("manifolds/surface"),
+        module!("manifolds/pair_motion"),
         module!("manifolds/smooth"),
         module!("manifolds/near_boxes"),
         module!("manifolds/near_patches"),
@@ -166,6 +177,8 @@ pub const SHADERS: Shaders = Shaders {
         &FEATURES[1],
         &FEATURES_OF_PIECES[1],
         &NEAR_FEATURES,
+        &ARRIVAL,
+        &FIRST_CONTACT,
         &CONTOUR,
         &DEPTH,
         &ADMIT,
