@@ -15,7 +15,7 @@
 //! | depth | pair | patches that are too deep for features; the window of the second search |
 //! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
 //! | admit | pair | features that agree with the patches; the patches without an overlapping feature, or too deep for any |
-//! | ray | pair | rays out of patches without an overlapping feature |
+//! | ray | pair | rays out of patches without an overlapping feature, and from the vertices that reach deepest there |
 //! | inside | pair | containment |
 //! | reduce | pair | contact reduction, to at most 16 points |
 //! | planes | body | contact points on planes |
@@ -40,8 +40,7 @@
 //! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components, or to
 //! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table.
 //!
-//! Not here yet, so that a device does not find them: overlaps at the rims of open meshes, and the vertices that reach deepest
-//! into the other body.
+//! Not here yet, so that a device does not find them: overlaps at the rims of open meshes.
 //!
 //! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
@@ -132,6 +131,8 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 MAX_DEPTH = pair::MAX_DEPTH;
     f32 RAY_LENGTH = pair::RAY_LENGTH;
     f32 MIN_PROBED_AREA = pair::MIN_PROBED_AREA;
+    f32 ASIDE = pair::ASIDE;
+    f32 DEEPER = pair::DEEPER;
     f32 SHALLOW = pair::SHALLOW;
     f32 SAME_CONTACT = pair::SAME_CONTACT;
     f32 SMOOTH = smooth::SMOOTH;
@@ -162,6 +163,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("manifolds/near_patches"),
         module!("manifolds/empty_patches"),
         module!("manifolds/probes"),
+        module!("manifolds/deepest"),
     ],
     kernels: &[
         &SELECT_KEYS,

@@ -11,6 +11,7 @@ mod batches;
 mod compare;
 mod concave;
 mod convex;
+mod deepest;
 mod inside;
 mod nearest;
 #[allow(dead_code)]
@@ -37,6 +38,7 @@ pub const TESTS: &[Test] = &[
     ("fine_meshes", concave::fine_meshes),
     ("hundreds_of_patches", concave::hundreds_of_patches),
     ("patches_too_deep_for_features", concave::patches_too_deep_for_features),
+    ("slender_bodies", deepest::slender_bodies),
     ("overlaps_of_any_size", concave::overlaps_of_any_size),
     ("far_from_the_origin", convex::far_from_the_origin),
     ("one_inside_the_other", inside::one_inside_the_other),
