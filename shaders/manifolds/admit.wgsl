@@ -113,7 +113,7 @@ fn admit(setup: t::PairSetup, at: u32, flag: u32) {
     }
     let middle = 0.5 * (vector(at, 0u) + vector(at, 4u));
     let normal = vector(at, 8u);
-    let first = setup.first_segment / 2u;
+    let first = setup.first_segment;
     let count = setup.patch_count;
     var agrees = true;
     // Overlapping features that disagree were never found.

@@ -42,7 +42,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         atomicStore(&last, 0u);
     }
     workgroupBarrier();
-    let first = setup.first_segment / 2u;
+    let first = setup.first_segment;
     let max_depth = MAX_DEPTH * setup.size;
     var low = vec3(3.0e38);
     var high = vec3(-3.0e38);
@@ -50,11 +50,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     while k < count {
         let own = patches[first + k];
         let middle = own.center;
-        // Rays that miss tell nothing: their separation is larger than any other.
-        let probe = cast_through(a, b, own.normal, middle, setup);
-        var deepest = probe.separation;
-        for (var end = 0u; end < 2u; end += 1u) {
-            deepest = min(deepest, probe_of_vertex(a, b, setup, own, probe, end).probe.separation);
+        var deepest = t::DROPPED;
+        if own.rim == 0u {
+            // Rays that miss tell nothing: their separation is larger than any other.
+            let probe = cast_through(a, b, own.normal, middle, setup);
+            deepest = probe.separation;
+            for (var end = 0u; end < 2u; end += 1u) {
+                deepest = min(deepest, probe_of_vertex(a, b, setup, own, probe, end).probe.separation);
+            }
         }
         let too_deep = -deepest > max_depth;
         patches[first + k].too_deep = u32(too_deep);

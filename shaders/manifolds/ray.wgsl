@@ -2,7 +2,7 @@
 // five points in the patch to where they leave the bodies, and from the vertices that reach deepest. One workgroup per pair,
 // one thread per point.
 #import faceoff::agree::agree
-#import faceoff::constants::manifolds::{MIN_PROBED_AREA, PROBE_FRACTION, SHALLOW}
+#import faceoff::constants::manifolds::{HALFWAY_DEPTH, MIN_PROBED_AREA, PROBE_FRACTION, SHALLOW}
 #import faceoff::deepest::{deepest_unfinished, probe_of_vertex}
 #import faceoff::dispatch::group_index
 #import faceoff::empty_patches::{HAS_FEATURE, count_at, list_at}
@@ -23,6 +23,8 @@
 // Points per patch: five in it, and the vertex of each body that reaches deepest.
 const PLACES: u32 = 7u;
 const FIRST_VERTEX: u32 = 5u;
+// Points of a patch at a rim: in the middle of the part of the rim that is in the other body, and halfway to both of its ends.
+const RIM_PLACES: u32 = 3u;
 
 var<workgroup> base: u32;
 
@@ -91,7 +93,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 // Index of the patch of an entry of the list.
 fn empty_patch_at(setup: t::PairSetup, entry: u32) -> u32 {
-    return setup.first_segment / 2u + (entry & ~HAS_FEATURE);
+    return setup.first_segment + (entry & ~HAS_FEATURE);
 }
 
 // The centre of the patch at an index, or an extreme of its contour moved inward by a quarter.
@@ -107,6 +109,9 @@ fn place_of(at: u32, k: u32) -> vec3<f32> {
 fn point_of(a: sides::Side, b: sides::Side, at: u32, k: u32, setup: t::PairSetup) -> t::Feature {
     var feature: t::Feature;
     let own = patches[at];
+    if own.rim != 0u {
+        return rim_point(own, k);
+    }
     let n = own.normal;
     var p = place_of(at, k);
     var probe = cast_through(a, b, n, p, setup);
@@ -125,6 +130,27 @@ fn point_of(a: sides::Side, b: sides::Side, at: u32, k: u32, setup: t::PairSetup
     feature.vertex = t::NOTHING;
     feature.a = probe.triangles.x;
     feature.b = probe.triangles.y;
+    return feature;
+}
+
+// The k-th point of a patch at a rim, with the depth of a parabola.
+fn rim_point(own: t::Patch, k: u32) -> t::Feature {
+    var feature: t::Feature;
+    feature.separation = t::DROPPED;
+    if k >= RIM_PLACES || (k > 0u && all(own.rim_half == vec3(0.0))) {
+        return feature;
+    }
+    let along = select(select(-0.5, 0.5, k == 1u), 0.0, k == 0u);
+    let depth = own.rim_depth * select(HALFWAY_DEPTH, 1.0, k == 0u);
+    let at = own.rim_middle + own.rim_half * along;
+    let way = own.normal * depth;
+    feature.point_a = select(at + way, at, own.rim == 1u);
+    feature.point_b = select(at, at - way, own.rim == 1u);
+    feature.normal = own.normal;
+    feature.separation = -depth;
+    feature.vertex = t::NOTHING;
+    feature.a = own.a;
+    feature.b = own.b;
     return feature;
 }
 

@@ -549,8 +549,8 @@ struct Segment {
     padding: vec2<u32>,
 }
 
-// The part of both surfaces inside a closed contour. A contour has two segments at least, so the patches of a pair start
-// at half the index of its first segment.
+// The part of both surfaces inside a closed contour, or at a rim of an open mesh where a contour ends. The patches of a pair
+// start at the index of its first segment.
 struct Patch {
     center: vec3<f32>,
     // Distance from the centre up to which features belong to the patch.
@@ -570,6 +570,12 @@ struct Patch {
     b: u32,
     // Not 0: the bodies overlap at the centre by more than features may. The patch gets its points from rays.
     too_deep: u32,
+    // Of the part of a rim that is in the other body, the middle, the depth, and the way from there to one end.
+    rim_middle: vec3<f32>,
+    rim_depth: f32,
+    rim_half: vec3<f32>,
+    // Whose rim it is: 1 for the first body, 2 for the second; 0 for a closed contour.
+    rim: u32,
 }
 
 const DROPPED: f32 = 3.0e38;

@@ -253,6 +253,8 @@ layout! {
         node_center: Vec3, node_radius: f32,
         extremes: [u32; 4],
         length: f32, a: u32, b: u32, too_deep: u32,
+        rim_middle: Vec3, rim_depth: f32,
+        rim_half: Vec3, rim: u32,
     }
     /// A contact point, in world axes and metres.
     ContactPoint {

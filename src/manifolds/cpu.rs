@@ -25,7 +25,7 @@ pub mod planes;
 pub(super) mod precision;
 mod ray;
 pub(super) mod reduce;
-mod rim;
+pub(super) mod rim;
 mod search;
 mod shares;
 pub(super) mod side;
@@ -53,19 +53,9 @@ pub struct Scratch {
     tasks: Vec<Task>,
     workers: PerThread<Worker>,
     kept: KeptPairs,
-    /// See [`Worker::as_device`].
-    as_device: bool,
 }
 
 impl Scratch {
-    /// Memory of calls that find what a GPU finds: see [`Worker::as_device`]. For tests that compare both.
-    pub fn as_device() -> Self {
-        Self {
-            as_device: true,
-            ..Self::default()
-        }
-    }
-
     /// Forgets what pairs keep from the last call. The next call finds the same points, but searches all of them afresh.
     pub fn forget(&mut self) {
         self.kept = KeptPairs::default();
@@ -156,13 +146,7 @@ pub(super) fn run_some(
     if scratch.tasks.len() < wanted {
         scratch.tasks.resize_with(wanted, Task::default);
     }
-    let Scratch {
-        tasks,
-        workers,
-        kept,
-        as_device,
-    } = scratch;
-    let as_device = *as_device;
+    let Scratch { tasks, workers, kept } = scratch;
     let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
     // A single task shares out its large pairs.
     let threads = if wanted == 1 { loops::threads() } else { 1 };
@@ -173,7 +157,6 @@ pub(super) fn run_some(
         manifolds.clear();
         dropped.clear();
         let mut worker = workers.lock();
-        worker.as_device = as_device;
         for (wanted, kept) in pairs.iter().zip(kept) {
             let first = manifolds.points.len();
             let (kept, points) = (&mut kept.kept, &mut manifolds.points);

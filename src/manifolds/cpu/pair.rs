@@ -48,8 +48,6 @@ pub(crate) const DEEPER: f64 = 1.02;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
-    /// Leaves out what a GPU lacks: overlaps at rims.
-    pub as_device: bool,
     shares: Shares,
     contours: Contours,
     features: Vec<Feature>,
@@ -138,7 +136,7 @@ impl Worker {
             }
             return;
         }
-        contours.join(sides, margin, *size, !self.as_device);
+        contours.join(sides, margin, *size);
         features.retain(|feature| contours.admits(feature, false));
         if !contours.patches.is_empty() {
             self.find_overlaps(pair, kept, threads);

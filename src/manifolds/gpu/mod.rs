@@ -11,7 +11,7 @@
 //! | near features | pair | features between nearest points, and which of them count |
 //! | arrival | pair | which speculative points count: those where the surfaces meet, if they move |
 //! | first contact | pair | where pairs meet of which points do not count |
-//! | contour | pair | contours and patches |
+//! | contour | pair | contours, also those that end at rims of open meshes, and patches |
 //! | depth | pair | patches that are too deep for features; the window of the second search |
 //! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
 //! | admit | pair | features that agree with the patches; the patches without an overlapping feature, or too deep for any |
@@ -38,13 +38,15 @@
 //! batches.
 //!
 //! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components, or to
-//! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table.
-//!
-//! Not here yet, so that a device does not find them: overlaps at the rims of open meshes.
+//! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table. Of pairs
+//! that are apart a workgroup looks at all pairs of triangles within the margin, also of large meshes.
 //!
 //! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
 //! loose contour ends of a pair are not tied, and only 1024 components of a mesh are tested for containment.
+//!
+//! Points of first contact are searched for among the triangles within the margin, and colliders of compounds turn about their own
+//! centres meanwhile. What comes nearer than a quarter of the rest offset touches there.
 
 pub mod batches;
 pub mod buffers;
@@ -54,7 +56,7 @@ mod reduce;
 pub use batches::BatchSize;
 pub use buffers::{ContactBuffers, ContactCapacity, ContactScratch};
 
-use super::cpu::{arrival, contour, feature, near_features, nearest, pair, planes, precision, side, smooth};
+use super::cpu::{arrival, contour, feature, near_features, nearest, pair, planes, precision, rim, side, smooth};
 use crate::geometry::features::MIN_TURN;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
@@ -134,6 +136,8 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 ASIDE = pair::ASIDE;
     f32 DEEPER = pair::DEEPER;
     f32 SHALLOW = pair::SHALLOW;
+    f32 MIN_MEAN = rim::MIN_MEAN;
+    f32 HALFWAY_DEPTH = rim::HALFWAY_DEPTH;
     f32 SAME_CONTACT = pair::SAME_CONTACT;
     f32 SMOOTH = smooth::SMOOTH;
     f32 SMOOTH_PAIR = smooth::SMOOTH_PAIR;
@@ -161,6 +165,9 @@ pub const SHADERS: Shaders = Shaders {
         module!("manifolds/smooth"),
         module!("manifolds/near_boxes"),
         module!("manifolds/near_patches"),
+        module!("manifolds/contours"),
+        module!("manifolds/contour_sums"),
+        module!("manifolds/rims"),
         module!("manifolds/empty_patches"),
         module!("manifolds/probes"),
         module!("manifolds/deepest"),

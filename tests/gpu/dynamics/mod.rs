@@ -31,7 +31,6 @@ mod reach;
 #[path = "../../dynamics/rest.rs"]
 mod rest;
 #[path = "../../dynamics/rims.rs"]
-#[allow(dead_code)]
 mod rims;
 #[path = "../../dynamics/rolling.rs"]
 #[allow(dead_code, unused_imports)]
@@ -104,6 +103,7 @@ pub const TESTS: &[Test] = &tests! {
     hammers_need_as_many_substeps_as_on_the_cpu: reach::as_on_the_cpu();
     a_rim_holds_a_ball: [0.0, 1.0e-3, 0.02].into_iter().for_each(rims::hold_a_ball);
     sheets_that_meet_rim_to_rim_do_not_pass: rims::MEETINGS.into_iter().for_each(rims::meet_rim_to_rim);
+    a_torus_on_a_rim_is_not_cut: rims::hold_a_torus();
     an_edge_holds_a_parallel_edge_with_the_same_ends: rims::EDGES.into_iter().for_each(rims::hold_an_edge);
     a_ball_flies_straight_on_over_a_ridge: fly_past::over_a_ridge(3, &[false]);
     a_ball_is_thrown_over_a_wall: fly_past::over_a_wall(3);

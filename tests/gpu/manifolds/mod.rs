@@ -18,6 +18,7 @@ mod nearest;
 #[path = "../../core/nearest.rs"]
 mod nearest_pairs;
 mod planes;
+mod rims;
 mod same_bits;
 
 use crate::gpu::Test;
@@ -43,6 +44,7 @@ pub const TESTS: &[Test] = &[
     ("far_from_the_origin", convex::far_from_the_origin),
     ("one_inside_the_other", inside::one_inside_the_other),
     ("nearest_points", nearest::are_found),
+    ("rims_are_pushed_out", rims::are_pushed_out),
     ("half_spaces", planes::half_spaces),
     ("half_spaces_under_round_ones", planes::round_ones),
     ("half_spaces_among_pairs", planes::among_pairs),
