@@ -9,7 +9,7 @@ struct FaceoffBefore {
     rotation: vec4<f32>,
     scale: vec3<f32>,
     radius: f32,
-    others: array<vec4<u32>, 7>,
+    others: array<vec4<u32>, 8>,
 }
 
 // The same collider after the step. `Poses::current` is an array of these.

@@ -55,6 +55,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         admit(setup, setup.first_feature + i, TOUCHED);
         i += 64u;
     }
+    var near_index = thread;
+    while near_index < setup.nearest_count {
+        admit(setup, setup.first_nearest + near_index, 0u);
+        near_index += 64u;
+    }
     // Separations of overlapping features are negative. Their bits are the smaller, the shallower a feature is.
     find_least(setup, thread, true);
     for (var k = thread; k < setup.deep_count; k += 64u) {
@@ -71,7 +76,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     sync();
     list_empty_patches(setup, thread);
     // Some devices abort long loops.
-    if i < setup.feature_count || deep_index < setup.deep_count || search_unfinished {
+    if i < setup.feature_count || near_index < setup.nearest_count || deep_index < setup.deep_count || search_unfinished {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }
@@ -101,18 +106,18 @@ fn flags_at(setup: t::PairSetup, k: u32) -> u32 {
     return 8u * setup.first_segment + k;
 }
 
-// Drops a feature if a nearby patch disagrees with it; else gives this flag to all patches nearby.
+// Drops a feature if a nearby patch disagrees with it; else gives this flag, if any, to all patches nearby.
 fn admit(setup: t::PairSetup, at: u32, flag: u32) {
     if is_dropped(at) {
         return;
     }
     let middle = 0.5 * (vector(at, 0u) + vector(at, 4u));
     let normal = vector(at, 8u);
-    let first = setup.first_segment / 2u;
+    let first = setup.first_segment;
     let count = setup.patch_count;
     var agrees = true;
     // Overlapping features that disagree were never found.
-    if flag == TOUCHED {
+    if flag != KEPT {
         for (var k = next_near(first, count, 0u, middle); k < count; k = next_near(first, count, k + 1u, middle)) {
             agrees = agrees && dot(normal, patches[first + k].normal) >= MIN_AGREEMENT;
         }

@@ -1,20 +1,20 @@
 // Contact generation: joins the segments of a pair into closed contours, and computes their patches. One workgroup per
 // pair. The twin of `src/manifolds/cpu/contour.rs`.
 #import faceoff::agree::agree
+#import faceoff::arena::{meshes, words}
 #import faceoff::constants::manifolds::{MIN_ENCLOSED_AREA, REACH_FACTOR}
+#import faceoff::contours::{
+    TIED, contour_links, count, end_of, first, label_of, ordered, partner_of, place, root_of, segments, set_segments, size_of, slot
+}
+#import faceoff::contour_sums::{maximum, total}
 #import faceoff::dispatch::group_index
 #import faceoff::near_patches::{build_level, patches}
+#import faceoff::rims::{Rim, ends_at_rim, rim_of}
+#import faceoff::sides
 #import faceoff::types as t
 
-@group(0) @binding(0) var<storage, read_write> contact_counters: array<atomic<u32>>;
-@group(0) @binding(1) var<storage, read_write> pair_setups: array<t::PairSetup>;
-@group(0) @binding(2) var<storage, read> segments: array<t::Segment>;
-// Eight words per segment. A pair with n segments has: 4 n slots of a hash table of segment ends, by the crossing that
-// an end shares with the next segment (then the list of loose ends; then n segments in the order of contours, n ends of
-// contours in that order, and the first segments of contours); 2 n words, for each end its partner; n words, for each
-// segment its label, the number of the first segment known to belong to the same contour; n words, for each first segment
-// the number of segments in its contour.
-@group(0) @binding(3) var<storage, read_write> contour_links: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> pair_setups: array<t::PairSetup>;
 
 // Loose ends closer than this are the same point, in units of the rounding of heights.
 const TIE_ROUNDINGS: f32 = 4.0;
@@ -26,13 +26,8 @@ var<workgroup> changed: array<atomic<u32>, 3>;
 // Of 64 segments: numbers of segments and of contours before; then labels.
 var<workgroup> scanned: array<vec2<u32>, 64>;
 var<workgroup> labels: array<u32, 64>;
-var<workgroup> sums: array<vec4<f32>, 64>;
 var<workgroup> best_reach: array<vec4<f32>, 64>;
 var<workgroup> best_end: array<vec4<u32>, 64>;
-
-// The pair's segments.
-var<private> first: u32;
-var<private> count: u32;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -41,32 +36,19 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let setup = pair_setups[index];
-    first = setup.first_segment;
-    count = agree(thread, select(setup.segment_count, 0u, setup.valid == 0u));
-    if count == 0u {
+    let number = agree(thread, select(setup.segment_count, 0u, setup.valid == 0u));
+    if number == 0u {
         return;
     }
+    set_segments(setup.first_segment, number);
+    let a = sides::first(setup);
+    let b = sides::second(setup);
+    let has_rims = agree(thread, u32(a.some_two_sided || b.some_two_sided)) == 1u;
     join(thread);
     tie_loose_ends(thread, TIE_ROUNDINGS * setup.rounding);
     label(thread);
-    let contours = agree(thread, group_by_contour(thread));
-    find_patches(index, setup, contours, thread);
-}
-
-fn slot(i: u32) -> u32 {
-    return 8u * first + i;
-}
-
-fn partner_of(end: u32) -> u32 {
-    return 8u * first + 4u * count + end;
-}
-
-fn label_of(i: u32) -> u32 {
-    return 8u * first + 6u * count + i;
-}
-
-fn size_of(i: u32) -> u32 {
-    return 8u * first + 7u * count + i;
+    let contours = agree(thread, group_by_contour(a, b, has_rims, thread));
+    find_patches(index, setup, a, b, has_rims, contours, thread);
 }
 
 // The crossing at an end: an edge of one body, and the triangle of the other that it pierces.
@@ -74,14 +56,6 @@ fn key(end: u32) -> vec2<u32> {
     let segment = segments[first + end / 2u];
     let edge = select(segment.start_edge, segment.end_edge, end % 2u == 1u);
     return vec2(edge, select(segment.b, segment.a, (edge & t::OF_SECOND) != 0u));
-}
-
-fn place(end: u32) -> vec3<f32> {
-    let i = first + end / 2u;
-    if end % 2u == 1u {
-        return segments[i].end;
-    }
-    return segments[i].start;
 }
 
 // Finds for each end another with the same key.
@@ -167,7 +141,7 @@ fn tie_loose_ends(thread: u32, reach: f32) {
                 nearest = min(nearest, other);
             }
         }
-        atomicStore(&contour_links[partner_of(end)], nearest);
+        atomicStore(&contour_links[partner_of(end)], nearest | TIED);
     }
     sync();
 }
@@ -185,13 +159,14 @@ fn label(thread: u32) {
         for (var end = thread; end < 2u * count; end += 64u) {
             let partner = atomicLoad(&contour_links[partner_of(end)]);
             if partner != t::NOTHING {
+                let near = (partner & ~TIED) / 2u;
                 let own = atomicLoad(&contour_links[label_of(end / 2u)]);
-                let other = atomicLoad(&contour_links[label_of(partner / 2u)]);
+                let other = atomicLoad(&contour_links[label_of(near)]);
                 if own != other {
                     any_change = true;
                     let least = min(own, other);
                     atomicMin(&contour_links[label_of(end / 2u)], least);
-                    atomicMin(&contour_links[label_of(partner / 2u)], least);
+                    atomicMin(&contour_links[label_of(near)], least);
                     // The segment after which the larger label was named gets the smaller one too.
                     atomicMin(&contour_links[label_of(max(own, other))], least);
                 }
@@ -224,31 +199,16 @@ fn label(thread: u32) {
     sync();
 }
 
-// The i-th segment in the order of contours.
-fn ordered(i: u32) -> u32 {
-    return slot(i);
-}
-
-// Where the segments of a contour end in that order.
-fn end_of(root: u32) -> u32 {
-    return slot(count + root);
-}
-
-// The first segment of a contour of more than one segment.
-fn root_of(contour: u32) -> u32 {
-    return slot(2u * count + contour);
-}
-
 // Orders the segments by contour. Contours come in the order of their first segments, and the segments of each in their own
-// order. Returns the number of contours of more than one segment.
-fn group_by_contour(thread: u32) -> u32 {
+// order. Returns the number of contours that may have a patch: those of more than one segment, and those that end at a rim.
+fn group_by_contour(a: sides::Side, b: sides::Side, has_rims: bool, thread: u32) -> u32 {
     var before = vec2(0u);
     for (var round = 0u; round < count; round += 64u) {
         let i = round + thread;
         var own = vec2(0u);
         if i < count {
             own.x = atomicLoad(&contour_links[size_of(i)]);
-            own.y = u32(own.x > 1u);
+            own.y = u32(own.x > 1u || (own.x == 1u && has_rims && ends_at_rim(a, b, i)));
         }
         let earlier = before + exclusive_sum(own, thread);
         if i < count {
@@ -302,15 +262,17 @@ fn exclusive_sum(own: vec2<u32>, thread: u32) -> vec2<u32> {
     return inclusive - own;
 }
 
-fn find_patches(index: u32, setup: t::PairSetup, contours: u32, thread: u32) {
+fn find_patches(
+    index: u32, setup: t::PairSetup, a: sides::Side, b: sides::Side, has_rims: bool, contours: u32, thread: u32
+) {
     var number = 0u;
     var contour = 0u;
     while contour < contours {
-        let found = patch_of(setup, atomicLoad(&contour_links[root_of(contour)]), thread);
+        let found = patch_of(setup, a, b, has_rims, atomicLoad(&contour_links[root_of(contour)]), thread);
         contour += 1u;
         if found.reach > 0.0 {
             if thread == 0u {
-                patches[first / 2u + number] = found;
+                patches[first + number] = found;
             }
             number += 1u;
         }
@@ -320,7 +282,7 @@ fn find_patches(index: u32, setup: t::PairSetup, contours: u32, thread: u32) {
     let patch_count = agree(thread, number);
     var level = 1u;
     while patch_count > 1u << (3u * (level - 1u)) && level <= 10u {
-        build_level(first / 2u, patch_count, level, thread);
+        build_level(first, patch_count, level, thread);
         level += 1u;
         sync();
     }
@@ -329,8 +291,10 @@ fn find_patches(index: u32, setup: t::PairSetup, contours: u32, thread: u32) {
     }
 }
 
-// The patch of the contour whose first segment is `root`. Its reach is zero if it encloses no area.
-fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
+// The patch of the contour whose first segment is `root`. Its reach is zero if it encloses no area and ends at no rim.
+fn patch_of(
+    setup: t::PairSetup, a: sides::Side, b: sides::Side, has_rims: bool, root: u32, thread: u32
+) -> t::Patch {
     var result: t::Patch;
     result.reach = 0.0;
     let end = atomicLoad(&contour_links[end_of(root)]);
@@ -364,11 +328,23 @@ fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     let size = sqrt(dot(area, area));
     // A contour that retraces itself encloses only rounding errors.
     let encloses = size > MIN_ENCLOSED_AREA * setup.size * setup.size && size > 0.5 * setup.rounding * length;
-    if agree(thread, u32(encloses)) == 0u {
+    var rim: Rim;
+    rim.owner = 0u;
+    if has_rims {
+        rim = rim_of(setup, a, b, range, center, length, thread);
+    }
+    if agree(thread, u32(encloses || rim.owner != 0u)) == 0u {
         return result;
     }
     result.center = center;
-    result.normal = area / size;
+    result.normal = rim.normal;
+    if rim.owner == 0u {
+        result.normal = area / size;
+    }
+    result.rim = rim.owner;
+    result.rim_middle = rim.middle;
+    result.rim_half = rim.half;
+    result.rim_depth = rim.depth;
     result.area = size;
     result.length = length;
     result.reach = REACH_FACTOR * radius + setup.margin;
@@ -414,34 +390,6 @@ fn farthest(thread: u32, range: vec2<u32>, center: vec3<f32>, ways: mat3x3<f32>,
         workgroupBarrier();
     }
     let result = best_end[0];
-    workgroupBarrier();
-    return result;
-}
-
-fn total(own: vec4<f32>, thread: u32) -> vec4<f32> {
-    sums[thread] = own;
-    workgroupBarrier();
-    for (var half = 32u; half > 0u; half /= 2u) {
-        if thread < half {
-            sums[thread] += sums[thread + half];
-        }
-        workgroupBarrier();
-    }
-    let result = sums[0];
-    workgroupBarrier();
-    return result;
-}
-
-fn maximum(own: f32, thread: u32) -> f32 {
-    sums[thread].x = own;
-    workgroupBarrier();
-    for (var half = 32u; half > 0u; half /= 2u) {
-        if thread < half {
-            sums[thread].x = max(sums[thread].x, sums[thread + half].x);
-        }
-        workgroupBarrier();
-    }
-    let result = sums[0].x;
     workgroupBarrier();
     return result;
 }

@@ -1,8 +1,9 @@
-// Contact generation: how deep the bodies overlap at the centre of each patch, and the window in which the second search looks
+// Contact generation: how deep the bodies overlap at the centre of each patch and at their deepest vertices there, and the window in which the second search looks
 // for features that overlap. One workgroup per pair, one thread per patch. The twin of `find_overlaps` in
 // `src/manifolds/cpu/pair.rs`.
 #import faceoff::agree::agree
 #import faceoff::constants::manifolds::MAX_DEPTH
+#import faceoff::deepest::{deepest_unfinished, probe_of_vertex}
 #import faceoff::dispatch::group_index
 #import faceoff::probes::{cast_through, rays_unfinished}
 #import faceoff::sides
@@ -41,16 +42,24 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         atomicStore(&last, 0u);
     }
     workgroupBarrier();
-    let first = setup.first_segment / 2u;
+    let first = setup.first_segment;
     let max_depth = MAX_DEPTH * setup.size;
     var low = vec3(3.0e38);
     var high = vec3(-3.0e38);
     var k = thread;
     while k < count {
-        let middle = patches[first + k].center;
-        // Rays that miss tell nothing: their separation is larger than any other.
-        let probe = cast_through(a, b, patches[first + k].normal, middle, setup);
-        let too_deep = -probe.separation > max_depth;
+        let own = patches[first + k];
+        let middle = own.center;
+        var deepest = t::DROPPED;
+        if own.rim == 0u {
+            // Rays that miss tell nothing: their separation is larger than any other.
+            let probe = cast_through(a, b, own.normal, middle, setup);
+            deepest = probe.separation;
+            for (var end = 0u; end < 2u; end += 1u) {
+                deepest = min(deepest, probe_of_vertex(a, b, setup, own, probe, end).probe.separation);
+            }
+        }
+        let too_deep = -deepest > max_depth;
         patches[first + k].too_deep = u32(too_deep);
         if !too_deep {
             let half = vec3(patches[first + k].reach + 0.5 * max_depth);
@@ -62,7 +71,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         k += 64u;
     }
     // Some devices abort long loops.
-    if k < count || rays_unfinished {
+    if k < count || rays_unfinished || deepest_unfinished {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
     lows[thread] = low;

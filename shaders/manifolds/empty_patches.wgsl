@@ -1,7 +1,7 @@
 #define_import_path faceoff::empty_patches
 
 // The list of patches without an overlapping feature, among the contour links of a pair. They are no longer needed when
-// features are admitted, and a patch has sixteen words of them.
+// features are admitted, and a patch has eight words of them.
 
 #import faceoff::types as t
 

@@ -63,6 +63,7 @@ fn vertex_feature(
     feature.normal = select(-over.normal, over.normal, of_second);
     feature.separation = height;
     feature.vertex = vertex | side.mark;
+    feature.origin = t::OF_VERTEX | select(0u, t::VERTEX_OF_SECOND, of_second);
     feature.a = select(own, over.number, of_second);
     feature.b = select(over.number, own, of_second);
     return feature;
@@ -131,6 +132,7 @@ fn edge_feature(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l:
     feature.normal = nearest.xyz;
     feature.separation = dot(nearest.xyz, feature.point_b - feature.point_a);
     feature.vertex = t::NOTHING;
+    feature.origin = t::OF_EDGES | (k << t::FIRST_EDGE_SHIFT) | (l << t::SECOND_EDGE_SHIFT);
     feature.a = pair.a.number;
     feature.b = pair.b.number;
     if feature.separation < pair.low || feature.separation > pair.high {

@@ -354,7 +354,7 @@ fn feature_of(a: sides::Side, b: sides::Side, pair: f::TrianglePair, bit: u32) -
 // Whether an overlapping feature has a patch nearby that is not too deep, and all patches nearby agree with it.
 fn agrees(setup: t::PairSetup, feature: t::Feature) -> bool {
     let middle = 0.5 * (feature.point_a + feature.point_b);
-    let first = setup.first_segment / 2u;
+    let first = setup.first_segment;
     let count = setup.patch_count;
     var k = next_near(first, count, 0u, middle);
     var agrees = true;

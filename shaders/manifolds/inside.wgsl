@@ -2,6 +2,7 @@
 // twin of `src/manifolds/cpu/inside.rs`.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
+#import faceoff::closest::closest
 #import faceoff::containment::{contains, unfinished}
 #import faceoff::dispatch::group_index
 #import faceoff::math::direction
@@ -166,6 +167,8 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     feature.b = select(inner_triangle, triangle, outer_is_second);
     let at = atomicAdd(&contact_counters[t::FEATURES], 1u);
     pair_setups[index].feature_count = 0u;
+    pair_setups[index].nearest_count = 0u;
+    pair_setups[index].meeting_count = 0u;
     if at < limits.features {
         features[at] = feature;
         pair_setups[index].first_probe = at;
@@ -189,41 +192,4 @@ fn least(own: vec4<f32>, number: u32, thread: u32) {
         }
         workgroupBarrier();
     }
-}
-
-// The point of a triangle nearest to p (Ericson 2005, Real-Time Collision Detection, 5.1.5).
-fn closest(p: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
-    let ab = b - a;
-    let ac = c - a;
-    let ab_at_a = dot(ab, p - a);
-    let ac_at_a = dot(ac, p - a);
-    if ab_at_a <= 0.0 && ac_at_a <= 0.0 {
-        return a;
-    }
-    let ab_at_b = dot(ab, p - b);
-    let ac_at_b = dot(ac, p - b);
-    if ab_at_b >= 0.0 && ac_at_b <= ab_at_b {
-        return b;
-    }
-    let ab_at_c = dot(ab, p - c);
-    let ac_at_c = dot(ac, p - c);
-    if ac_at_c >= 0.0 && ab_at_c <= ac_at_c {
-        return c;
-    }
-    let va = ab_at_b * ac_at_c - ab_at_c * ac_at_b;
-    let vb = ab_at_c * ac_at_a - ab_at_a * ac_at_c;
-    let vc = ab_at_a * ac_at_b - ab_at_b * ac_at_a;
-    if vc <= 0.0 && ab_at_a >= 0.0 && ab_at_b <= 0.0 {
-        // Welded corners leave an edge of zero length.
-        return a + ab * (ab_at_a / max(ab_at_a - ab_at_b, 1.0e-30));
-    }
-    if vb <= 0.0 && ac_at_a >= 0.0 && ac_at_c <= 0.0 {
-        return a + ac * (ac_at_a / (ac_at_a - ac_at_c));
-    }
-    let to_c = ac_at_b - ab_at_b;
-    let to_b = ab_at_c - ac_at_c;
-    if va <= 0.0 && to_c >= 0.0 && to_b >= 0.0 {
-        return b + (c - b) * (to_c / (to_c + to_b));
-    }
-    return a + (ab * vb + ac * vc) / (va + vb + vc);
 }

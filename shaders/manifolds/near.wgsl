@@ -248,8 +248,18 @@ fn has_features(a: sides::Side, b: sides::Side, ca: Corners, cb: Corners, number
     }
     let edge_rotation = vec2(sides::edge_normal_rotation(a, numbers.x), sides::edge_normal_rotation(b, numbers.y));
     let sum = outward_a + outward_b;
-    let facing = dot(sum, sum) <= (edge_rotation.x + edge_rotation.y) * (edge_rotation.x + edge_rotation.y);
-    return facing && all(lateral <= around + reach * min(edge_rotation, vec2(1.0)));
+    let square = dot(sum, sum);
+    let facing = square <= (edge_rotation.x + edge_rotation.y) * (edge_rotation.x + edge_rotation.y);
+    if facing && all(lateral <= around + reach * min(edge_rotation, vec2(1.0))) {
+        return true;
+    }
+    // Between nearest points.
+    if windowed || (sides::owned(a, numbers.x) | sides::owned(b, numbers.y)) == 0u {
+        return false;
+    }
+    let rotation = sides::nearest_rotation(a, numbers.x) + sides::nearest_rotation(b, numbers.y);
+    let is_known = any(outward_a != vec3(0.0)) && any(outward_b != vec3(0.0));
+    return !is_known || square <= rotation * rotation;
 }
 
 // The outward unit normal; zero where single precision does not determine it.

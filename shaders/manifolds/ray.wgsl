@@ -1,10 +1,12 @@
 // Contact generation: patches without an overlapping feature get their points from rays along the normal, cast from
-// five points in the patch to where they leave the bodies. One workgroup per pair, one thread per point.
+// five points in the patch to where they leave the bodies, and from the vertices that reach deepest. One workgroup per pair,
+// one thread per point.
 #import faceoff::agree::agree
-#import faceoff::constants::manifolds::{MIN_PROBED_AREA, PROBE_FRACTION, SHALLOW}
+#import faceoff::constants::manifolds::{HALFWAY_DEPTH, MIN_PROBED_AREA, PROBE_FRACTION, SHALLOW}
+#import faceoff::deepest::{deepest_unfinished, probe_of_vertex}
 #import faceoff::dispatch::group_index
 #import faceoff::empty_patches::{HAS_FEATURE, count_at, list_at}
-#import faceoff::probes::{cast_through, rays_unfinished}
+#import faceoff::probes::{Probe, cast_through, rays_unfinished}
 #import faceoff::sides
 #import faceoff::tree
 #import faceoff::types as t
@@ -18,8 +20,11 @@
 // The list of patches without an overlapping feature.
 @group(0) @binding(8) var<storage, read> contour_links: array<u32>;
 
-// Points per patch.
-const PLACES: u32 = 5u;
+// Points per patch: five in it, and the vertex of each body that reaches deepest.
+const PLACES: u32 = 7u;
+const FIRST_VERTEX: u32 = 5u;
+// Points of a patch at a rim: in the middle of the part of the rim that is in the other body, and halfway to both of its ends.
+const RIM_PLACES: u32 = 3u;
 
 var<workgroup> base: u32;
 
@@ -56,10 +61,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     for (var i = thread; i < PLACES * empty_count; i += 64u) {
         let at = empty_patch_at(setup, contour_links[list_at(setup, i / PLACES)]);
-        features[base + i] = point_of(a, b, patches[at].normal, place_of(at, i % PLACES), setup);
+        features[base + i] = point_of(a, b, at, i % PLACES, setup);
     }
     // Some devices abort long loops.
-    if rays_unfinished {
+    if rays_unfinished || deepest_unfinished {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
     storageBarrier();
@@ -88,22 +93,33 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 // Index of the patch of an entry of the list.
 fn empty_patch_at(setup: t::PairSetup, entry: u32) -> u32 {
-    return setup.first_segment / 2u + (entry & ~HAS_FEATURE);
+    return setup.first_segment + (entry & ~HAS_FEATURE);
 }
 
 // The centre of the patch at an index, or an extreme of its contour moved inward by a quarter.
 fn place_of(at: u32, k: u32) -> vec3<f32> {
     let center = patches[at].center;
-    if k == 0u {
+    if k == 0u || k >= FIRST_VERTEX {
         return center;
     }
     return center + PROBE_FRACTION * (segments[patches[at].extremes[k - 1u]].start - center);
 }
 
-// The contact point at p, if both rays leave a body.
-fn point_of(a: sides::Side, b: sides::Side, n: vec3<f32>, p: vec3<f32>, setup: t::PairSetup) -> t::Feature {
+// The k-th point of the patch at an index, if both rays leave a body.
+fn point_of(a: sides::Side, b: sides::Side, at: u32, k: u32, setup: t::PairSetup) -> t::Feature {
     var feature: t::Feature;
-    let probe = cast_through(a, b, n, p, setup);
+    let own = patches[at];
+    if own.rim != 0u {
+        return rim_point(own, k);
+    }
+    let n = own.normal;
+    var p = place_of(at, k);
+    var probe = cast_through(a, b, n, p, setup);
+    if k >= FIRST_VERTEX {
+        let deepest = probe_of_vertex(a, b, setup, own, probe, k - FIRST_VERTEX);
+        probe = deepest.probe;
+        p = deepest.place;
+    }
     feature.separation = probe.separation;
     if probe.separation == t::DROPPED {
         return feature;
@@ -114,6 +130,27 @@ fn point_of(a: sides::Side, b: sides::Side, n: vec3<f32>, p: vec3<f32>, setup: t
     feature.vertex = t::NOTHING;
     feature.a = probe.triangles.x;
     feature.b = probe.triangles.y;
+    return feature;
+}
+
+// The k-th point of a patch at a rim, with the depth of a parabola.
+fn rim_point(own: t::Patch, k: u32) -> t::Feature {
+    var feature: t::Feature;
+    feature.separation = t::DROPPED;
+    if k >= RIM_PLACES || (k > 0u && all(own.rim_half == vec3(0.0))) {
+        return feature;
+    }
+    let along = select(select(-0.5, 0.5, k == 1u), 0.0, k == 0u);
+    let depth = own.rim_depth * select(HALFWAY_DEPTH, 1.0, k == 0u);
+    let at = own.rim_middle + own.rim_half * along;
+    let way = own.normal * depth;
+    feature.point_a = select(at + way, at, own.rim == 1u);
+    feature.point_b = select(at, at - way, own.rim == 1u);
+    feature.normal = own.normal;
+    feature.separation = -depth;
+    feature.vertex = t::NOTHING;
+    feature.a = own.a;
+    feature.b = own.b;
     return feature;
 }
 

@@ -49,7 +49,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     var own: Point;
     if thread < count {
-        own = point(setup, features[chosen[thread]]);
+        own = point(setup, chosen[thread]);
         anchors[thread] = own.point.anchor_a;
         normals[thread] = own.point.normal;
         states[thread] = own.state;
@@ -98,7 +98,7 @@ fn keep(setup: t::PairSetup, count: u32) -> u32 {
 
 // Selects features and returns their number.
 fn choose(setup: t::PairSetup, thread: u32) -> u32 {
-    let all = setup.feature_count + setup.deep_count + setup.probe_count;
+    let all = setup.feature_count + setup.nearest_count + setup.deep_count + setup.probe_count + setup.meeting_count;
     var best_value = -t::DROPPED;
     var place = t::NOTHING;
     for (var i = thread; i < all; i += 64u) {
@@ -164,11 +164,19 @@ fn feature_at(setup: t::PairSetup, i: u32) -> u32 {
     if i < setup.feature_count {
         return setup.first_feature + i;
     }
-    let j = i - setup.feature_count;
+    var j = i - setup.feature_count;
+    if j < setup.nearest_count {
+        return setup.first_nearest + j;
+    }
+    j -= setup.nearest_count;
     if j < setup.deep_count {
         return setup.first_deep + j;
     }
-    return setup.first_probe + j - setup.deep_count;
+    j -= setup.deep_count;
+    if j < setup.probe_count {
+        return setup.first_probe + j;
+    }
+    return setup.first_meeting;
 }
 
 // Reduction to the largest value of all threads; of equal ones, that of the first thread.
@@ -192,15 +200,22 @@ struct Point {
     state: u32,
 }
 
-// The contact point of a feature, in world axes and metres.
-fn point(setup: t::PairSetup, feature: t::Feature) -> Point {
+// The contact point of the feature at an index, in world axes and metres.
+fn point(setup: t::PairSetup, at: u32) -> Point {
+    let feature = features[at];
     let a = sides::first(setup);
     let b = sides::second(setup);
     let face_radii = vec2(
         curvature_radius_of(a, feature.a, feature.vertex),
         curvature_radius_of(b, feature.b, feature.vertex),
     );
-    let smoothed = smooth::smoothed(a, b, feature, face_radii, setup.spin);
+    var smoothed: smooth::Smoothed;
+    // A point of first contact stays where the meshes touch.
+    if setup.meeting_count > 0u && at == setup.first_meeting {
+        smoothed.normal = feature.normal;
+    } else {
+        smoothed = smooth::smoothed(a, b, feature, face_radii, setup.spin);
+    }
     let own = smoothed.normal;
     var result: t::ContactPoint;
     result.separation = feature.separation / setup.unit;

@@ -144,10 +144,21 @@ fn is_one_sided(side: Side, number: u32) -> bool {
 // Largest angle between a triangle's normal and a contact normal at an edge that it owns, radians. `ANY_NORMAL` permits
 // every normal.
 fn edge_normal_rotation(side: Side, number: u32) -> f32 {
+    return rotation_in(side, (words[record(side, number) + 12u] >> 8u) & 255u);
+}
+
+// Largest angle between a triangle's normal and the way to a point to which it is nearest at a vertex or edge that it owns,
+// radians. `ANY_NORMAL` permits every way.
+fn nearest_rotation(side: Side, number: u32) -> f32 {
+    return rotation_in(side, (words[record(side, number) + 12u] >> 16u) & 255u);
+}
+
+// A rotation as it is stored, radians.
+fn rotation_in(side: Side, stored: u32) -> f32 {
     let scale = abs(side.scale);
     let longest = max(scale.x, max(scale.y, scale.z));
     let shortest = min(scale.x, min(scale.y, scale.z));
-    let rotation = f32(words[record(side, number) + 12u] >> 8u) * (ANY_NORMAL / 255.0) + ARC_SLACK;
+    let rotation = f32(stored) * (ANY_NORMAL / 255.0) + ARC_SLACK;
     // Non-uniform scales change angles.
     return select(ANY_NORMAL, min(rotation, ANY_NORMAL), longest <= shortest * (1.0 + 1.0e-6));
 }

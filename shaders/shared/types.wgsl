@@ -37,6 +37,12 @@ struct Step {
     piece_capacity: u32,
     // Not 0: the step has passed through all collision substeps that it needs. More of them are recorded, and do nothing.
     is_over: u32,
+    // Of the contact solver, in the whole step; 0 if it does not move the bodies.
+    substeps: u32,
+    // The gap that contacts keep, as a fraction of the smaller body's diameter.
+    rest_offset: f32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 // Input and state of a body. Unused slots have a radius of zero.
@@ -83,6 +89,9 @@ struct Body {
     // Upper bounds of how the external force and torque accelerate its surface, m/s².
     force_acceleration: f32,
     torque_acceleration: f32,
+    // By gravity and the external force, m/s².
+    acceleration: vec3<f32>,
+    padding: u32,
 }
 
 // It is static or asleep, and nothing about it has changed since the last step.
@@ -465,7 +474,14 @@ struct PairSetup {
     is_split: u32,
     // With which b rotates relative to a, in a's axes.
     spin: vec3<f32>,
-    padding: f32,
+    // Features between nearest points.
+    first_nearest: u32,
+    nearest_count: u32,
+    // Not 0: features do not count, because the bodies fly past each other there.
+    has_dropped: u32,
+    // The point of first contact of such bodies.
+    first_meeting: u32,
+    meeting_count: u32,
 }
 
 // A piece of a pair of large meshes: the parts below two nodes, and what is found there.
@@ -482,7 +498,7 @@ struct NearPiece {
     padding: u32,
 }
 
-// A contact feature: vertex-face, edge-edge, or a point that stands for a deep overlap.
+// A contact feature: vertex-face, edge-edge, between nearest points, or a point that stands for a deep overlap.
 struct Feature {
     point_a: vec3<f32>,
     // Signed distance from the first point to the second along the normal; `DROPPED` if the feature does not count.
@@ -492,13 +508,34 @@ struct Feature {
     distance: f32,
     // Unit vector from the first body to the second.
     normal: vec3<f32>,
-    // Number of the vertex, with the bit `OF_SECOND` if it belongs to the second body; `NOTHING` for other features.
+    // Number of the vertex over a face, with the bit `OF_SECOND` if it belongs to the second body; `NOTHING` for other
+    // features.
     vertex: u32,
     // Triangles on which the points lie.
     a: u32,
     b: u32,
-    padding: vec2<u32>,
+    // What it was derived from; see the constants.
+    origin: u32,
+    padding: u32,
 }
+
+// Lower bits of `Feature::origin`.
+const ORIGIN_MASK: u32 = 7u;
+// A patch, containment, or first contact. Overlapping features have other things in this word.
+const OF_PATCH: u32 = 0u;
+// A vertex over a face.
+const OF_VERTEX: u32 = 1u;
+// Two edges.
+const OF_EDGES: u32 = 2u;
+// A vertex near an edge.
+const OF_VERTEX_EDGE: u32 = 3u;
+// Two vertices.
+const OF_VERTICES: u32 = 4u;
+// The vertex is that of the second body.
+const VERTEX_OF_SECOND: u32 = 8u;
+// Where the positions of both edges in their triangles are.
+const FIRST_EDGE_SHIFT: u32 = 4u;
+const SECOND_EDGE_SHIFT: u32 = 6u;
 
 // The segment in which two triangles cross, along the cross product of their normals. Each end has the number of the
 // edge that pierces a triangle, with the bit `OF_SECOND` if it belongs to the second body.
@@ -512,8 +549,8 @@ struct Segment {
     padding: vec2<u32>,
 }
 
-// The part of both surfaces inside a closed contour. A contour has two segments at least, so the patches of a pair start
-// at half the index of its first segment.
+// The part of both surfaces inside a closed contour, or at a rim of an open mesh where a contour ends. The patches of a pair
+// start at the index of its first segment.
 struct Patch {
     center: vec3<f32>,
     // Distance from the centre up to which features belong to the patch.
@@ -533,6 +570,12 @@ struct Patch {
     b: u32,
     // Not 0: the bodies overlap at the centre by more than features may. The patch gets its points from rays.
     too_deep: u32,
+    // Of the part of a rim that is in the other body, the middle, the depth, and the way from there to one end.
+    rim_middle: vec3<f32>,
+    rim_depth: f32,
+    rim_half: vec3<f32>,
+    // Whose rim it is: 1 for the first body, 2 for the second; 0 for a closed contour.
+    rim: u32,
 }
 
 const DROPPED: f32 = 3.0e38;

@@ -72,6 +72,7 @@ layout! {
         contact_margin: f32, travel_scale: f32, planes_changed: u32, compounds: u32,
         drift: Vec3, has_fast_bodies: u32,
         hit_limit: u32, same_numbers: u32, piece_capacity: u32, is_over: u32,
+        substeps: u32, rest_offset: f32, padding_a: u32, padding_b: u32,
     }
     /// Input and state of a body.
     Body {
@@ -85,6 +86,7 @@ layout! {
         memberships: u32, filters: u32, source: u32, carried: u32,
         speculative_radius: f32, thickness: f32, inactive: u32, body: u32,
         travel_time: f32, center_offset: f32, force_acceleration: f32, torque_acceleration: f32,
+        acceleration: Vec3, padding: u32,
     }
     /// A moving body whose colliders are placed in it.
     Compound {
@@ -223,7 +225,8 @@ layout! {
         window_direction: Vec3, first_segment: u32,
         segment_count: u32, first_feature: u32, feature_count: u32, first_deep: u32,
         deep_count: u32, first_probe: u32, probe_count: u32, is_split: u32,
-        spin: Vec3, padding: f32,
+        spin: Vec3, first_nearest: u32,
+        nearest_count: u32, has_dropped: u32, first_meeting: u32, meeting_count: u32,
     }
     /// A piece of a pair of large meshes, and what contact generation finds there.
     NearPiece {
@@ -235,7 +238,7 @@ layout! {
         point_a: Vec3, separation: f32,
         point_b: Vec3, distance: f32,
         normal: Vec3, vertex: u32,
-        a: u32, b: u32, padding: [u32; 2],
+        a: u32, b: u32, origin: u32, padding: u32,
     }
     /// The segment in which two triangles cross.
     Segment {
@@ -250,6 +253,8 @@ layout! {
         node_center: Vec3, node_radius: f32,
         extremes: [u32; 4],
         length: f32, a: u32, b: u32, too_deep: u32,
+        rim_middle: Vec3, rim_depth: f32,
+        rim_half: Vec3, rim: u32,
     }
     /// A contact point, in world axes and metres.
     ContactPoint {

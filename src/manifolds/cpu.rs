@@ -1,6 +1,6 @@
 //! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
-mod arrival;
+pub(super) mod arrival;
 mod boxed;
 mod candidates;
 pub(super) mod contour;
@@ -15,9 +15,9 @@ mod kept_pairs;
 mod moved;
 mod near;
 mod near_clusters;
-mod near_features;
+pub(super) mod near_features;
 mod near_lanes;
-mod nearest;
+pub(super) mod nearest;
 pub(super) mod pair;
 mod parts;
 mod placed_cluster;
@@ -25,7 +25,7 @@ pub mod planes;
 pub(super) mod precision;
 mod ray;
 pub(super) mod reduce;
-mod rim;
+pub(super) mod rim;
 mod search;
 mod shares;
 pub(super) mod side;
@@ -53,19 +53,9 @@ pub struct Scratch {
     tasks: Vec<Task>,
     workers: PerThread<Worker>,
     kept: KeptPairs,
-    /// See [`Worker::as_device`].
-    as_device: bool,
 }
 
 impl Scratch {
-    /// Memory of calls that find what a GPU finds: see [`Worker::as_device`]. For tests that compare both.
-    pub fn as_device() -> Self {
-        Self {
-            as_device: true,
-            ..Self::default()
-        }
-    }
-
     /// Forgets what pairs keep from the last call. The next call finds the same points, but searches all of them afresh.
     pub fn forget(&mut self) {
         self.kept = KeptPairs::default();
@@ -156,13 +146,7 @@ pub(super) fn run_some(
     if scratch.tasks.len() < wanted {
         scratch.tasks.resize_with(wanted, Task::default);
     }
-    let Scratch {
-        tasks,
-        workers,
-        kept,
-        as_device,
-    } = scratch;
-    let as_device = *as_device;
+    let Scratch { tasks, workers, kept } = scratch;
     let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
     // A single task shares out its large pairs.
     let threads = if wanted == 1 { loops::threads() } else { 1 };
@@ -173,7 +157,6 @@ pub(super) fn run_some(
         manifolds.clear();
         dropped.clear();
         let mut worker = workers.lock();
-        worker.as_device = as_device;
         for (wanted, kept) in pairs.iter().zip(kept) {
             let first = manifolds.points.len();
             let (kept, points) = (&mut kept.kept, &mut manifolds.points);
@@ -242,7 +225,7 @@ fn add_points(
         return true;
     }
     let first = points.len();
-    let (chosen, dropped) = match motion.as_ref().filter(|_| !worker.as_device) {
+    let (chosen, dropped) = match motion {
         Some(motion) => worker.reduced_in_motion(&pair, *margin, motion, kept, threads),
         None => (worker.reduced(&pair, *margin, kept, threads), false),
     };

@@ -24,8 +24,8 @@
 //! 5. Reduction. At most [`MAX_POINTS`] are kept: the deepest, then repeatedly the one farthest from those kept, in
 //!    position and normal.
 //! 6. Arrival. Within a step, points ahead of a body count if the surfaces meet there or do not meet before the next
-//!    collision substep: not those on a plane that the body crosses beyond its face. The CPU alone does this, see
-//!    `cpu::arrival`.
+//!    collision substep: not those on a plane that the body crosses beyond its face. See `cpu::arrival`. Pairs that meet
+//!    elsewhere get the point of first contact: see [`ccd`](crate::ccd), and on a GPU `shaders/manifolds/first_contact.wgsl`.
 //! 7. Smoothing. Finely tessellated curved surfaces touch where the smooth surfaces would, with their normals if they
 //!    are convex in all directions.
 //!

@@ -41,11 +41,6 @@ impl Scratch {
         &self.dropped
     }
 
-    /// Finds what a GPU finds, see [`cpu::Scratch::as_device`].
-    pub fn set_as_device(&mut self) {
-        self.meshes = cpu::Scratch::as_device();
-    }
-
     /// Returns memory, but for that of the last manifolds and of what pairs keep.
     pub fn renew(&mut self) {
         (self.pairs, self.found, self.planes) = Default::default();

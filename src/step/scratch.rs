@@ -66,11 +66,6 @@ impl StepScratch {
         }
     }
 
-    /// The next steps on the CPU find the contact points that a GPU finds. For tests that compare both.
-    pub fn set_as_device(&mut self) {
-        self.manifolds.set_as_device();
-    }
-
     fn renew(&mut self) {
         self.age = 0;
         self.touches = Touches::default();

@@ -7,10 +7,10 @@ use bevy_faceoff::queries::{ContactWorker, MeshContact, Placed};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-struct Shape {
-    name: &'static str,
-    mesh: TriMesh,
-    baked: CollisionMesh,
+pub struct Shape {
+    pub name: &'static str,
+    pub mesh: TriMesh,
+    pub baked: CollisionMesh,
 }
 
 fn shape(name: &'static str, mesh: TriMesh) -> Shape {
@@ -73,7 +73,7 @@ fn bent() -> TriMesh {
     mesh(&vertices, &(0..4).flat_map(cell).collect::<Vec<_>>())
 }
 
-fn all_shapes() -> Vec<Shape> {
+pub fn all_shapes() -> Vec<Shape> {
     vec![
         shape("cube", shapes::cube(1.0)),
         shape("tetrahedron", tetrahedron()),
@@ -91,9 +91,9 @@ fn all_shapes() -> Vec<Shape> {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct At {
-    translation: DVec3,
-    rotation: DQuat,
+pub struct At {
+    pub translation: DVec3,
+    pub rotation: DQuat,
 }
 
 fn placed(mesh: &CollisionMesh, at: At) -> Placed<'_> {
@@ -161,41 +161,69 @@ fn rotation(random: &mut Random) -> DQuat {
     }
 }
 
+/// Two meshes that are near each other.
+pub struct Near<'a> {
+    pub shapes: [&'a Shape; 2],
+    pub at: [At; 2],
+    /// Their distance.
+    pub least: f64,
+    pub margin: f64,
+}
+
+/// A random pair, perhaps. Poses are rounded as wanted.
+pub fn near<'a>(shapes: &'a [Shape], random: &mut Random, rounded: impl Fn(At) -> At) -> Option<Near<'a>> {
+    let pair = [0, 1].map(|_| &shapes[random.0.usize(0..shapes.len())]);
+    let mut at = [0, 1].map(|_| {
+        rounded(At {
+            translation: DVec3::ZERO,
+            rotation: rotation(random),
+        })
+    });
+    let aim = match random.0.u8(0..3) {
+        0 => DVec3::AXES[random.0.usize(0..3)],
+        1 => (DVec3::AXES[random.0.usize(0..3)] + DVec3::AXES[random.0.usize(0..3)]).normalize(),
+        _ => random.direction(),
+    };
+    let aside = random.vector() * [0.0, 0.3, 1.0][random.0.usize(0..3)];
+    at[1].translation = aim * 4.0 + aside;
+    let first = triangles(&pair[0].mesh, at[0]);
+    let gap = [1.0e-5, 1.0e-4, 1.0e-3, 0.01, 0.1][random.0.usize(0..5)];
+    // The second body comes nearer, never nearer than the gap.
+    for _ in 0..8 {
+        let second = triangles(&pair[1].mesh, at[1]);
+        let least = distance(&first, &second);
+        if least < 1.001 * gap {
+            break;
+        }
+        at[1].translation -= aim * (least - gap);
+    }
+    at[1] = rounded(at[1]);
+    let second = triangles(&pair[1].mesh, at[1]);
+    let least = distance(&first, &second);
+    let margin = least * (1.01 + random.0.f64());
+    (at[1].translation.dot(aim) >= -2.0).then_some(Near {
+        shapes: pair,
+        at,
+        least,
+        margin,
+    })
+}
+
 fn random_pairs(rounds: usize, seed: u64) {
     let shapes = all_shapes();
     let mut random = Random::new(seed);
     let mut tested = 0;
     for round in 0..rounds {
-        let pair = [0, 1].map(|_| &shapes[random.0.usize(0..shapes.len())]);
-        let names = pair.map(|shape| shape.name);
-        let mut at = [0, 1].map(|_| At {
-            translation: DVec3::ZERO,
-            rotation: rotation(&mut random),
-        });
-        let aim = match random.0.u8(0..3) {
-            0 => DVec3::AXES[random.0.usize(0..3)],
-            1 => (DVec3::AXES[random.0.usize(0..3)] + DVec3::AXES[random.0.usize(0..3)]).normalize(),
-            _ => random.direction(),
-        };
-        let aside = random.vector() * [0.0, 0.3, 1.0][random.0.usize(0..3)];
-        at[1].translation = aim * 4.0 + aside;
-        let first = triangles(&pair[0].mesh, at[0]);
-        let gap = [1.0e-5, 1.0e-4, 1.0e-3, 0.01, 0.1][random.0.usize(0..5)];
-        // The second body comes nearer, never nearer than the gap.
-        for _ in 0..8 {
-            let second = triangles(&pair[1].mesh, at[1]);
-            let least = distance(&first, &second);
-            if least < 1.001 * gap {
-                break;
-            }
-            at[1].translation -= aim * (least - gap);
-        }
-        let second = triangles(&pair[1].mesh, at[1]);
-        let least = distance(&first, &second);
-        let margin = least * (1.01 + random.0.f64());
-        if at[1].translation.dot(aim) < -2.0 {
+        let Some(Near {
+            shapes: pair,
+            at,
+            least,
+            margin,
+        }) = near(&shapes, &mut random, |at| at)
+        else {
             continue;
-        }
+        };
+        let names = pair.map(|shape| shape.name);
         tested += 1;
         let found = contacts(pair, at, margin);
         let nearest = found.iter().map(|contact| way(contact, at).length());

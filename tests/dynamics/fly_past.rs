@@ -34,10 +34,10 @@ fn ridge() -> TriMesh {
     prism(&[[0.0, 0.0], [-2.0, -2.0], [2.0, -2.0]], 2.0)
 }
 
-/// The largest change of velocity of a ball of radius 0.1 that passes the origin along x at a height, among 16 phases.
-fn past(obstacle: &TriMesh, speed: f32, height: f32, gravity: f32, continuous: bool) -> f32 {
+/// The largest change of velocity of a ball of radius 0.1 that passes the origin along x at a height, among so many phases.
+fn past(obstacle: &TriMesh, speed: f32, height: f32, gravity: f32, continuous: bool, phases: u32) -> f32 {
     let mut worst: f32 = 0.0;
-    for phase in 0..16 {
+    for phase in 0..phases {
         let mut world = World::new();
         world.state.input.config.gravity = Vec3::NEG_Y * gravity;
         let (ball, obstacle) = (world.mesh(&shapes::ball(0.1, 3)), world.mesh(obstacle));
@@ -45,7 +45,7 @@ fn past(obstacle: &TriMesh, speed: f32, height: f32, gravity: f32, continuous: b
         let steps = (1.0 / (speed * DT)).ceil();
         let velocity = Vec3::new(speed, 0.5 * gravity * 2.0 * steps * DT, 0.0);
         // At the origin after `steps` and a part of a step.
-        let time = (steps + phase as f32 / 16.0) * DT;
+        let time = (steps + phase as f32 / phases as f32) * DT;
         let below = velocity.y * time - 0.5 * gravity * time * time;
         let at = Vec3::new(-speed * time, height - below, 0.0);
         let body = world.put(&Body {
@@ -65,35 +65,53 @@ fn past(obstacle: &TriMesh, speed: f32, height: f32, gravity: f32, continuous: b
     worst
 }
 
-#[test]
-fn a_ball_flies_straight_on_over_a_ridge() {
-    for (speed, clearance) in [
-        (10.0, 0.01),
-        (10.0, 0.04),
-        (2.0, 0.003),
-        (30.0, 0.02),
-        (50.0, 0.001),
-        (0.5, 0.001),
-    ] {
-        for continuous in [false, true] {
-            let change = past(&ridge(), speed, 0.1 + clearance, 0.0, continuous);
+/// Speeds, and how far above the ridge.
+const OVER_RIDGE: [(f32, f32); 6] = [
+    (10.0, 0.01),
+    (10.0, 0.04),
+    (2.0, 0.003),
+    (30.0, 0.02),
+    (50.0, 0.001),
+    (0.5, 0.001),
+];
+
+/// A ball flies over a ridge, in so many phases each.
+pub fn over_a_ridge(phases: u32, ways: &[bool]) {
+    for (speed, clearance) in OVER_RIDGE {
+        for continuous in ways {
+            let change = past(&ridge(), speed, 0.1 + clearance, 0.0, *continuous, phases);
             assert!(change < 1.0e-4, "{speed} m/s, {clearance} m above: {change} m/s");
         }
     }
 }
 
 #[test]
+fn a_ball_flies_straight_on_over_a_ridge() {
+    over_a_ridge(16, &[false, true]);
+}
+
+#[test]
 fn a_ball_is_thrown_over_a_wall() {
+    over_a_wall(16);
+}
+
+/// A ball is thrown over a wall, in so many phases.
+pub fn over_a_wall(phases: u32) {
     let wall = prism(&[[-0.1, 0.0], [-0.1, -1.0], [0.1, -1.0], [0.1, 0.0]], 2.0);
     for clearance in [0.0146, 0.005] {
         // It is highest over the wall, whose edges it clears by a little less.
-        let change = past(&wall, 6.0, 0.1 + clearance + 0.002, 9.81, false);
+        let change = past(&wall, 6.0, 0.1 + clearance + 0.002, 9.81, false, phases);
         assert!(change < 1.0e-3, "{clearance} m above: {change} m/s");
     }
 }
 
 #[test]
 fn a_box_slides_straight_on_over_a_groove() {
+    over_a_groove(&[1.5, 3.0, 8.9], 4);
+}
+
+/// A box slides over a groove at these speeds, in so many phases each.
+pub fn over_a_groove(speeds: &[f32], phases: u32) {
     // A floor of two blocks whose edges are chamfered, 1.5 inches apart.
     let [inch, wide] = [0.0254, 1.5 * 0.0254];
     let right = prism(
@@ -116,8 +134,8 @@ fn a_box_slides_straight_on_over_a_groove() {
         ],
         3.0,
     );
-    for speed in [1.5, 3.0, 8.9] {
-        for phase in 0..4 {
+    for &speed in speeds {
+        for phase in 0..phases {
             let mut world = World::new();
             let meshes = [&left, &right].map(|mesh| world.mesh(mesh));
             let params = BodyParams {
@@ -133,7 +151,11 @@ fn a_box_slides_straight_on_over_a_groove() {
             }
             let size = Vec3::new(0.81, 1.83, 0.81);
             let slider = world.mesh(&cuboid(size));
-            let at = Vec3::new(-1.2 - phase as f32 / 4.0 * speed * DT, 0.5 * size.y + 0.001, 0.0);
+            let at = Vec3::new(
+                -1.2 - phase as f32 / phases as f32 * speed * DT,
+                0.5 * size.y + 0.001,
+                0.0,
+            );
             let body = world.put(&Body {
                 linear_velocity: Vec3::X * speed,
                 params,
@@ -151,14 +173,14 @@ fn a_box_slides_straight_on_over_a_groove() {
 
 /// What pairs do that pass each other.
 #[derive(Default, Debug)]
-struct Passes {
+pub struct Passes {
     /// Their true gap stays above 0.1 mm, and their velocities change.
-    deflected: usize,
-    free: usize,
+    pub deflected: usize,
+    pub free: usize,
     /// They truly meet, and nothing happens.
-    missed: usize,
-    hits: usize,
-    worst: f32,
+    pub missed: usize,
+    pub hits: usize,
+    pub worst: f32,
 }
 
 /// A pair in one world, far from others.
@@ -188,7 +210,7 @@ fn small_shapes() -> Vec<TriMesh> {
 }
 
 /// Throws `count` pairs past each other, at one speed for each world of 64 pairs.
-fn throw(seed: u64, count: usize, spins: bool) -> Passes {
+pub fn throw(seed: u64, count: usize, spins: bool) -> Passes {
     let shapes = small_shapes();
     let mut random = fastrand::Rng::with_seed(seed);
     let mut passes = Passes::default();

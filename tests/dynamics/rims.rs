@@ -59,26 +59,29 @@ fn upright() -> World {
     world
 }
 
+/// A ball falls onto a rim, a little beside it.
+pub fn hold_a_ball(x: f32) {
+    let mut world = upright();
+    let ball = world.mesh(&shapes::ball(0.25, 3));
+    let ball = put(
+        &mut world,
+        RigidBody::Dynamic,
+        ball,
+        Vec3::new(x, 0.8, 0.0),
+        Quat::IDENTITY,
+        Vec3::ZERO,
+    );
+    let mut least = f64::INFINITY;
+    for _ in 0..64 {
+        world.step();
+        least = least.min(from_upright(world.center(ball)));
+    }
+    assert!(least > 0.24, "{least} at {x}");
+}
+
 #[test]
 fn a_rim_holds_a_ball() {
-    for x in [0.0, 1.0e-3, 0.02] {
-        let mut world = upright();
-        let ball = world.mesh(&shapes::ball(0.25, 3));
-        let ball = put(
-            &mut world,
-            RigidBody::Dynamic,
-            ball,
-            Vec3::new(x, 0.8, 0.0),
-            Quat::IDENTITY,
-            Vec3::ZERO,
-        );
-        let mut least = f64::INFINITY;
-        for _ in 0..64 {
-            world.step();
-            least = least.min(from_upright(world.center(ball)));
-        }
-        assert!(least > 0.24, "{least} at {x}");
-    }
+    [0.0, 1.0e-3, 0.02].into_iter().for_each(hold_a_ball);
 }
 
 /// The triangles of a body.
@@ -108,31 +111,42 @@ fn surfaces_cross(some: &[[DVec3; 3]], others: &[[DVec3; 3]]) -> bool {
     any(some, others) || any(others, some)
 }
 
+/// Two sheets meet rim to rim, each displaced along the rim and turned.
+pub fn meet_rim_to_rim((z, turn): (f32, f32)) {
+    let mut world = World::weightless();
+    let sheet = card();
+    let card = world.mesh(&sheet);
+    let [left, right] = [-1.0, 1.0].map(|side: f32| {
+        let (at, turn) = (
+            Vec3::new(side, 0.0, 0.5 * side * z),
+            Quat::from_rotation_z(-side * turn),
+        );
+        put(&mut world, RigidBody::Dynamic, card, at, turn, Vec3::NEG_X * side)
+    });
+    for step in 0..128 {
+        world.step();
+        let [a, b] = [left, right].map(|body| placed(&world, body, &sheet));
+        assert!(!surfaces_cross(&a, &b), "step {step}, {z}, {turn}");
+    }
+    let apart = world.center(right).x - world.center(left).x;
+    assert!(turn > 0.0 || apart > 0.99, "{apart}");
+}
+
+/// For [`meet_rim_to_rim`].
+pub const MEETINGS: [(f32, f32); 5] = [(0.0, 0.0), (0.0, FRAC_PI_6), (0.2, FRAC_PI_6), (0.2, 0.3), (0.2, 1.2)];
+
 #[test]
 fn sheets_that_meet_rim_to_rim_do_not_pass() {
-    for (z, turn) in [(0.0, 0.0), (0.0, FRAC_PI_6), (0.2, FRAC_PI_6), (0.2, 0.3), (0.2, 1.2)] {
-        let mut world = World::weightless();
-        let sheet = card();
-        let card = world.mesh(&sheet);
-        let [left, right] = [-1.0, 1.0].map(|side: f32| {
-            let (at, turn) = (
-                Vec3::new(side, 0.0, 0.5 * side * z),
-                Quat::from_rotation_z(-side * turn),
-            );
-            put(&mut world, RigidBody::Dynamic, card, at, turn, Vec3::NEG_X * side)
-        });
-        for step in 0..128 {
-            world.step();
-            let [a, b] = [left, right].map(|body| placed(&world, body, &sheet));
-            assert!(!surfaces_cross(&a, &b), "step {step}, {z}, {turn}");
-        }
-        let apart = world.center(right).x - world.center(left).x;
-        assert!(turn > 0.0 || apart > 0.99, "{apart}");
-    }
+    MEETINGS.into_iter().for_each(meet_rim_to_rim);
 }
 
 #[test]
 fn a_torus_on_a_rim_is_not_cut() {
+    hold_a_torus();
+}
+
+/// A torus falls onto a rim.
+pub fn hold_a_torus() {
     let mut world = upright();
     let torus = shapes::torus(24, 16, 0.35, 0.15);
     let mesh = world.mesh(&torus);
@@ -160,26 +174,32 @@ fn a_torus_on_a_rim_is_not_cut() {
     assert!(deepest < 0.01, "{deepest}");
 }
 
+/// A tetrahedron falls with an edge onto the edge of another one, displaced and turned a little.
+pub fn hold_an_edge((aside, turn): (f32, f32)) {
+    let mut world = World::new();
+    let mesh = world.mesh(&tetrahedron());
+    put(
+        &mut world,
+        RigidBody::Static,
+        mesh,
+        Vec3::NEG_Y * 0.5,
+        Quat::IDENTITY,
+        Vec3::ZERO,
+    );
+    let (at, turn) = (Vec3::new(aside, 0.21, aside), Quat::from_rotation_y(FRAC_PI_2 + turn));
+    let body = put(&mut world, RigidBody::Dynamic, mesh, at, turn, Vec3::ZERO);
+    // It stands on an edge, and falls off in time. Without contact it would be at 0.19 by now.
+    for _ in 0..4 {
+        world.step();
+    }
+    let (height, deepest) = (world.center(body).y, world.deepest());
+    assert!(height > 0.2 && deepest < 1.0e-3, "{height}, {deepest} for {aside}");
+}
+
+/// For [`hold_an_edge`].
+pub const EDGES: [(f32, f32); 5] = [(0.0, 0.0), (1.0e-4, 0.0), (0.0, 1.0e-4), (0.0, 1.0e-3), (1.0e-3, 0.017)];
+
 #[test]
 fn an_edge_holds_a_parallel_edge_with_the_same_ends() {
-    for (aside, turn) in [(0.0, 0.0), (1.0e-4, 0.0), (0.0, 1.0e-4), (0.0, 1.0e-3), (1.0e-3, 0.017)] {
-        let mut world = World::new();
-        let mesh = world.mesh(&tetrahedron());
-        put(
-            &mut world,
-            RigidBody::Static,
-            mesh,
-            Vec3::NEG_Y * 0.5,
-            Quat::IDENTITY,
-            Vec3::ZERO,
-        );
-        let (at, turn) = (Vec3::new(aside, 0.21, aside), Quat::from_rotation_y(FRAC_PI_2 + turn));
-        let body = put(&mut world, RigidBody::Dynamic, mesh, at, turn, Vec3::ZERO);
-        // It stands on an edge, and falls off in time. Without contact it would be at 0.19 by now.
-        for _ in 0..4 {
-            world.step();
-        }
-        let (height, deepest) = (world.center(body).y, world.deepest());
-        assert!(height > 0.2 && deepest < 1.0e-3, "{height}, {deepest} for {aside}");
-    }
+    EDGES.into_iter().for_each(hold_an_edge);
 }

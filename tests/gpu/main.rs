@@ -5,6 +5,7 @@
 mod app;
 #[cfg(feature = "bevy")]
 mod apps;
+mod ccd;
 #[cfg(feature = "cli")]
 mod cli;
 mod contract;
@@ -18,6 +19,9 @@ mod oracle;
 mod parity;
 mod primitives;
 mod solver;
+#[allow(dead_code)]
+#[path = "../core/support.rs"]
+mod support;
 #[path = "../common/world.rs"]
 mod world;
 

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 /// How far from a surface a point may arrive, in units of the rest offset. The gap that is right for bodies at rest must not
 /// hide a surface, and a body may fly past at that distance.
-const TOLERANCE: f64 = 0.25;
+pub(crate) const TOLERANCE: f64 = 0.25;
 /// Searches for the nearest surface, for a pair. Points beyond that are dropped.
 const MAX_SEARCHES: u32 = 32;
 

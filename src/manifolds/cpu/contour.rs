@@ -107,8 +107,8 @@ impl Contours {
         self.patches.clear();
     }
 
-    /// Joins the segments of two bodies into contours and patches. `size` is that of the bodies. Contours may end at `rims`.
-    pub fn join(&mut self, sides: &[Side; 2], margin: f64, size: f64, rims: bool) {
+    /// Joins the segments of two bodies into contours and patches. `size` is that of the bodies.
+    pub fn join(&mut self, sides: &[Side; 2], margin: f64, size: f64) {
         self.joined.reset(self.segments.len());
         let ends = 2 * self.segments.len() as u32;
         self.ends.reset(ends as usize);
@@ -126,7 +126,7 @@ impl Contours {
         self.rims.clear();
         for end in (0..ends as usize).filter(|&end| !self.has_partner[end]) {
             self.loose.push((segments[end / 2].ends[end % 2], end as u32 / 2));
-            self.rims.extend(RimEnd::of(sides, segments, end).filter(|_| rims));
+            self.rims.extend(RimEnd::of(sides, segments, end));
         }
         self.tie_loose_ends(TIE * size);
         self.order.clear();

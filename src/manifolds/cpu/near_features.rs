@@ -7,10 +7,10 @@
 use super::feature::{Feature, Origin, TrianglePair};
 
 /// A feature must be nearer than others by this part.
-const NEARER: f64 = 1.0 - 1.0e-6;
+pub(crate) const NEARER: f64 = 1.0 - 1.0e-6;
 /// Features of solids count if they are farther apart than the nearest by no more than this part of the margin: both ends of
 /// two edges that are all but parallel.
-pub const BESIDE: f64 = 0.1;
+pub(crate) const BESIDE: f64 = 0.1;
 
 /// Features between nearest points, and memory kept between pairs.
 #[derive(Default)]

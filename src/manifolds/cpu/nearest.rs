@@ -16,7 +16,7 @@ use glam::DVec3;
 
 /// Sine of the angle between the way and a face's normal, or an edge's perpendicular, below which it counts as that. It keeps
 /// the condition of points that all but touch from being that of [`OUTSIDE`] alone, which all ways would meet.
-const ALONG: f64 = 1.0e-3;
+pub(crate) const ALONG: f64 = 1.0e-3;
 /// Sine of the angle below which two edges have no nearest points within both but for rounding.
 const EXACTLY_PARALLEL: f64 = 1.0e-7;
 /// Rounding error of a position, relative to the largest coordinate.

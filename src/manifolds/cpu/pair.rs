@@ -41,16 +41,13 @@ const MIDDLE: u8 = 5;
 /// The `place` of the point where the first body reaches deepest; the next is that of the second.
 const DEEPEST: u8 = 6;
 /// How far to the side of a patch, in units of its depth there, a vertex may lie that belongs to it.
-const ASIDE: f64 = 2.0;
+pub(crate) const ASIDE: f64 = 2.0;
 /// A vertex counts if it is deeper than the ray through the patch's middle by this factor: on a ball it is hardly deeper.
-const DEEPER: f64 = 1.02;
+pub(crate) const DEEPER: f64 = 1.02;
 
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
-    /// Leaves out what a GPU lacks: features between nearest points, overlaps at rims, the vertices that reach deepest, and
-    /// that points do not count where bodies fly past each other.
-    pub as_device: bool,
     shares: Shares,
     contours: Contours,
     features: Vec<Feature>,
@@ -112,7 +109,7 @@ impl Worker {
             range: -touch..=margin,
             reach: margin + touch,
             window: None,
-            nearest: !self.as_device,
+            nearest: true,
         };
         let source = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
         let fraction = match source {
@@ -139,7 +136,7 @@ impl Worker {
             }
             return;
         }
-        contours.join(sides, margin, *size, !self.as_device);
+        contours.join(sides, margin, *size);
         features.retain(|feature| contours.admits(feature, false));
         if !contours.patches.is_empty() {
             self.find_overlaps(pair, kept, threads);
@@ -166,11 +163,7 @@ impl Worker {
                 None => probes(sides, patch, [patch.center], *size),
                 Some(_) => [None],
             };
-            let vertices = if self.as_device {
-                [None, None]
-            } else {
-                deepest_probes(sides, patch, middle.as_ref(), most, *size)
-            };
+            let vertices = deepest_probes(sides, patch, middle.as_ref(), most, *size);
             let probes = middle.iter().chain(vertices.iter().flatten().map(|(_, probe)| probe));
             patch.too_deep = probes.into_iter().any(|probe| -probe.separation > most);
             middles.push(middle);

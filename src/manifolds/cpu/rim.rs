@@ -10,10 +10,12 @@ use crate::geometry::features::NONE;
 use glam::DVec3;
 
 /// The mean of the other surface's normals says nothing if it is shorter than this.
-const MIN_MEAN: f64 = 0.1;
+pub(crate) const MIN_MEAN: f64 = 0.1;
+/// The depth of a parabola halfway from its middle to its ends.
+pub(crate) const HALFWAY_DEPTH: f64 = 0.75;
 /// Points on a rim: in the middle of the part within the other body, and halfway to both of its ends, with the depth of a
 /// parabola.
-const ON_RIM: [(f64, f64); 3] = [(0.0, 1.0), (0.5, 0.75), (-0.5, 0.75)];
+const ON_RIM: [(f64, f64); 3] = [(0.0, 1.0), (0.5, HALFWAY_DEPTH), (-0.5, HALFWAY_DEPTH)];
 
 /// An end of a contour at a rim.
 #[derive(Clone, Copy, Debug)]

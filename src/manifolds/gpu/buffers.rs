@@ -188,7 +188,7 @@ buffers! {
         segments: ARRAY Segment, capacity.segments, "contour segments";
         /// Links between segments: eight words per segment.
         contour_links: ARRAY u32, 8 * u64::from(capacity.segments), "contour links";
-        /// The patches of a pair start at half the index of its first segment.
-        patches: ARRAY Patch, capacity.segments / 2 + 1, "contour patches";
+        /// The patches of a pair start at the index of its first segment.
+        patches: ARRAY Patch, capacity.segments, "contour patches";
     }
 }

@@ -8,11 +8,14 @@
 //! | split | pair | the pieces of large pairs, as in TriangleTest |
 //! | near | pair, or piece | pairs of triangles no farther apart than the margin, by both bounding-volume trees |
 //! | features | pair, or piece | vertex-face and edge-edge features, segments in which triangles cross |
-//! | contour | pair | contours and patches |
+//! | near features | pair | features between nearest points, and which of them count |
+//! | arrival | pair | which speculative points count: those where the surfaces meet, if they move |
+//! | first contact | pair | where pairs meet of which points do not count |
+//! | contour | pair | contours, also those that end at rims of open meshes, and patches |
 //! | depth | pair | patches that are too deep for features; the window of the second search |
 //! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
 //! | admit | pair | features that agree with the patches; the patches without an overlapping feature, or too deep for any |
-//! | ray | pair | rays out of patches without an overlapping feature |
+//! | ray | pair | rays out of patches without an overlapping feature, and from the vertices that reach deepest there |
 //! | inside | pair | containment |
 //! | reduce | pair | contact reduction, to at most 16 points |
 //! | planes | body | contact points on planes |
@@ -35,14 +38,15 @@
 //! batches.
 //!
 //! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components, or to
-//! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table.
-//!
-//! Not here yet, so that a device does not find them: features between nearest points, overlaps at the rims of open meshes, the
-//! vertices that reach deepest into the other body, and points that do not count because the bodies fly past each other.
+//! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table. Of pairs
+//! that are apart a workgroup looks at all pairs of triangles within the margin, also of large meshes.
 //!
 //! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
 //! loose contour ends of a pair are not tied, and only 1024 components of a mesh are tested for containment.
+//!
+//! Points of first contact are searched for among the triangles within the margin, and colliders of compounds turn about their own
+//! centres meanwhile. What comes nearer than a quarter of the rest offset touches there.
 
 pub mod batches;
 pub mod buffers;
@@ -52,7 +56,7 @@ mod reduce;
 pub use batches::BatchSize;
 pub use buffers::{ContactBuffers, ContactCapacity, ContactScratch};
 
-use super::cpu::{contour, feature, pair, planes, precision, side, smooth};
+use super::cpu::{arrival, contour, feature, near_features, nearest, pair, planes, precision, rim, side, smooth};
 use crate::geometry::features::MIN_TURN;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
@@ -80,6 +84,12 @@ const FEATURES_OF_PIECES: [Kernel; 2] = [
     kernel!("manifolds/features", "PIECES"),
     kernel!("manifolds/features", "DEEP PIECES"),
 ];
+/// Finds the features between nearest points that count.
+const NEAR_FEATURES: Kernel = kernel!("manifolds/near_features");
+/// Drops speculative points where the surfaces do not meet.
+const ARRIVAL: Kernel = kernel!("manifolds/arrival");
+/// Finds where pairs meet of which points were dropped.
+const FIRST_CONTACT: Kernel = kernel!("manifolds/first_contact");
 /// Joins contours and computes patches.
 const CONTOUR: Kernel = kernel!("manifolds/contour");
 /// Measures how deep bodies overlap at patches.
@@ -110,6 +120,10 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 FLAT = feature::FLAT;
     f32 PARALLEL = feature::PARALLEL;
     f32 OUTSIDE = feature::OUTSIDE;
+    f32 ALONG = nearest::ALONG;
+    f32 ARRIVAL_TOLERANCE = arrival::TOLERANCE;
+    f32 NEARER = near_features::NEARER;
+    f32 BESIDE = near_features::BESIDE;
     f32 SAME_PLACE = side::SAME_PLACE;
     f32 NUDGE = side::NUDGE;
     f32 MIN_AGREEMENT = contour::MIN_AGREEMENT;
@@ -119,7 +133,11 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 MAX_DEPTH = pair::MAX_DEPTH;
     f32 RAY_LENGTH = pair::RAY_LENGTH;
     f32 MIN_PROBED_AREA = pair::MIN_PROBED_AREA;
+    f32 ASIDE = pair::ASIDE;
+    f32 DEEPER = pair::DEEPER;
     f32 SHALLOW = pair::SHALLOW;
+    f32 MIN_MEAN = rim::MIN_MEAN;
+    f32 HALFWAY_DEPTH = rim::HALFWAY_DEPTH;
     f32 SAME_CONTACT = pair::SAME_CONTACT;
     f32 SMOOTH = smooth::SMOOTH;
     f32 SMOOTH_PAIR = smooth::SMOOTH_PAIR;
@@ -138,11 +156,21 @@ pub const SHADERS: Shaders = Shaders {
         module!("manifolds/contact_slots"),
         module!("manifolds/side"),
         module!("manifolds/feature"),
+        module!("manifolds/nearest"),
+        module!("manifolds/known_vertices"),
+        module!("manifolds/near_ranges"),
+        module!("manifolds/closest"),
+        module!("manifolds/surface"),
+        module!("manifolds/pair_motion"),
         module!("manifolds/smooth"),
         module!("manifolds/near_boxes"),
         module!("manifolds/near_patches"),
+        module!("manifolds/contours"),
+        module!("manifolds/contour_sums"),
+        module!("manifolds/rims"),
         module!("manifolds/empty_patches"),
         module!("manifolds/probes"),
+        module!("manifolds/deepest"),
     ],
     kernels: &[
         &SELECT_KEYS,
@@ -157,6 +185,9 @@ pub const SHADERS: Shaders = Shaders {
         &FEATURES_OF_PIECES[0],
         &FEATURES[1],
         &FEATURES_OF_PIECES[1],
+        &NEAR_FEATURES,
+        &ARRIVAL,
+        &FIRST_CONTACT,
         &CONTOUR,
         &DEPTH,
         &ADMIT,

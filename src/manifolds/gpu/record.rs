@@ -57,6 +57,11 @@ fn record_batch(calls: &mut Calls, capacity: &ContactCapacity, batch: u32) {
         .call(&PLACE, Groups::per_64(capacity.batch_pairs(), counted))
         .constants(constants);
     record_search(calls, 0);
+    calls
+        .call(&NEAR_FEATURES, per_pair)
+        .bind_words("feature_words", "features");
+    calls.call(&ARRIVAL, per_pair);
+    calls.call(&FIRST_CONTACT, per_pair);
     calls.call(&CONTOUR, per_pair);
     calls.call(&DEPTH, per_pair);
     record_search(calls, 1);

@@ -165,6 +165,11 @@ impl SolverInput {
         substeps.map_or(0.0, |count| CollisionSubstep::of(&self.config, count).dt)
     }
 
+    /// Substeps of the whole step.
+    pub(super) fn substeps(&self) -> u32 {
+        self.config.solver.substeps
+    }
+
     /// Whether the device counts the collision substeps, because there may be more than one.
     pub(super) fn counts_substeps(&self) -> bool {
         self.most_substeps > 1

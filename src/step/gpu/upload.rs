@@ -155,6 +155,7 @@ impl Input {
                     Response::Impulse => 0.0,
                     Response::None | Response::Contacts => config.solver.margin(),
                 },
+                rest_offset: config.solver.rest_offset,
                 ..Default::default()
             },
             bodies: (0..count).map(|i| body(bodies, state, i, carried(i))).collect(),
@@ -182,6 +183,7 @@ impl Input {
         }
         self.step.travel_scale = SAFETY;
         self.step.drift = solver.drift.to_array();
+        self.step.substeps = solver.substeps();
         self.step.planes_changed = solver.planes_changed().into();
         self.step.same_numbers = solver.same_numbers().into();
         for (i, body) in self.bodies.iter_mut().enumerate() {
@@ -394,6 +396,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
         center_offset: part.map_or(0.0, |part| part.offset.length() as f32),
         force_acceleration,
         torque_acceleration,
+        acceleration: bodies.acceleration(i, state.config.gravity).to_array(),
         source: carried.map_or(0, |carried| carried.source),
         carried: carried.map_or(0, |carried| carried.bits()),
         body: bodies.body_of(i as u32),

@@ -218,7 +218,6 @@ pub fn points() {
         world.state.input.config.response = Response::None;
         world
     });
-    worlds[0].state.scratch.set_as_device();
     let (mut deep, mut same, mut spheres, mut missed) = (0, 0, 0, 0);
     let (mut places, mut farthest) = (0, 0.0f32);
     for _ in 0..30 {

@@ -142,7 +142,6 @@ pub fn reports() {
         }
         world
     });
-    worlds[0].state.scratch.set_as_device();
     let (mut pairs, mut planes, mut points) = (0, 0, 0);
     let (mut missed, mut impulses) = (0, [0.0f32; 2]);
     for _ in 0..80 {

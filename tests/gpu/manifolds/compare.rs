@@ -39,14 +39,14 @@ impl Agreement {
     }
 }
 
-/// What the CPU finds, half-spaces included, ascending, without the kinds of points that a device does not find.
+/// What the CPU finds, half-spaces included, ascending.
 pub fn on_cpu(state: &StepState, pairs: &[MarginPair]) -> Manifolds {
     let mut found = Manifolds::default();
     cpu::run(
         &state.input.bodies,
         &state.input.meshes,
         pairs,
-        &mut cpu::Scratch::as_device(),
+        &mut cpu::Scratch::default(),
         &mut found,
     );
     let mut scratch = planes::Scratch::default();

@@ -11,8 +11,14 @@ mod batches;
 mod compare;
 mod concave;
 mod convex;
+mod deepest;
 mod inside;
+mod nearest;
+#[allow(dead_code)]
+#[path = "../../core/nearest.rs"]
+mod nearest_pairs;
 mod planes;
+mod rims;
 mod same_bits;
 
 use crate::gpu::Test;
@@ -33,9 +39,12 @@ pub const TESTS: &[Test] = &[
     ("fine_meshes", concave::fine_meshes),
     ("hundreds_of_patches", concave::hundreds_of_patches),
     ("patches_too_deep_for_features", concave::patches_too_deep_for_features),
+    ("slender_bodies", deepest::slender_bodies),
     ("overlaps_of_any_size", concave::overlaps_of_any_size),
     ("far_from_the_origin", convex::far_from_the_origin),
     ("one_inside_the_other", inside::one_inside_the_other),
+    ("nearest_points", nearest::are_found),
+    ("rims_are_pushed_out", rims::are_pushed_out),
     ("half_spaces", planes::half_spaces),
     ("half_spaces_under_round_ones", planes::round_ones),
     ("half_spaces_among_pairs", planes::among_pairs),

@@ -17,7 +17,7 @@ use bevy_faceoff::types::settings::Response;
 use glam::Vec3;
 
 /// Dispatches of a batch without large meshes.
-const OF_A_BATCH: u32 = 12;
+const OF_A_BATCH: u32 = 15;
 
 /// A device's steps, with batches of so many bytes.
 fn in_batches_of(gpu: &Gpu, bytes: u64) -> GpuStep {
