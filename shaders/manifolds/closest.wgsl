@@ -43,7 +43,7 @@ fn closest(p: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> 
 struct Nearest {
     p: vec3<f32>,
     q: vec3<f32>,
-    // Of their distance.
+    // The square of their distance.
     square: f32,
 }
 

@@ -28,7 +28,7 @@ const MAX_ADVANCES: u32 = 32u;
 // The tolerance is at least this many times the rounding.
 const MIN_ROUNDINGS: f32 = 8.0;
 
-// Of each thread, the earliest time, and the number of the pair of triangles.
+// The earliest time of each thread, and the number of its pair of triangles.
 var<workgroup> times: array<f32, 64>;
 var<workgroup> numbers: array<u32, 64>;
 

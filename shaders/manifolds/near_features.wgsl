@@ -2,8 +2,8 @@
 // triangles. The first round counts them, the second writes them in the order of the triangles. The twin of
 // `src/manifolds/cpu/near_features.rs`.
 //
-// Of one-sided triangles only those count where the bodies are nearest, if they are nearer there than at all other features of
-// the pair. Of two-sided ones all do that tell more than the features of the same vertices and edges.
+// Features of one-sided triangles count only where the bodies are nearest, if they are nearer there than at all other features
+// of the pair. Features of two-sided ones count if they tell more than others of the same vertices and edges.
 #import faceoff::agree::agree
 #import faceoff::constants::manifolds::{BESIDE, NEARER}
 #import faceoff::dispatch::group_index

@@ -173,7 +173,7 @@ fn between(
     return feature;
 }
 
-// The same for a vertex of `side` and a point of the other side.
+// The feature of a vertex of `side` and a point of the other side.
 fn between_sides(
     side: sides::Side, pair: TrianglePair, own: vec3<f32>, other: vec3<f32>, outward: vec3<f32>, other_outward: vec3<f32>,
     vertex: u32, origin: u32

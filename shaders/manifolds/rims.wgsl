@@ -65,7 +65,7 @@ fn rim_of(
 ) -> Rim {
     var rim: Rim;
     rim.owner = 0u;
-    // Of the ends on each body's rim, the sum and the number; and the first of them all.
+    // The sum and the number of the ends on each body's rim, and the first of all ends.
     var ends_a = vec4(0.0);
     var ends_b = vec4(0.0);
     var first_end = t::NOTHING;

@@ -37,7 +37,7 @@ struct Step {
     piece_capacity: u32,
     // Not 0: the step has passed through all collision substeps that it needs. More of them are recorded, and do nothing.
     is_over: u32,
-    // Of the contact solver, in the whole step; 0 if it does not move the bodies.
+    // Substeps of the contact solver in the whole step; 0 if it does not move the bodies.
     substeps: u32,
     // The gap that contacts keep, as a fraction of the smaller body's diameter.
     rest_offset: f32,
@@ -570,7 +570,7 @@ struct Patch {
     b: u32,
     // Not 0: the bodies overlap at the centre by more than features may. The patch gets its points from rays.
     too_deep: u32,
-    // Of the part of a rim that is in the other body, the middle, the depth, and the way from there to one end.
+    // The middle of the part of a rim that is in the other body, its depth, and the way from there to one end.
     rim_middle: vec3<f32>,
     rim_depth: f32,
     rim_half: vec3<f32>,
