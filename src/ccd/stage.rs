@@ -2,11 +2,11 @@
 //! their paths.
 
 use super::{Impact, ImpactScratch, Pose, SensorScratch, Sweep, find_impacts, find_sensor_touches};
-use crate::solver::SolverBodies;
+use crate::solver::{SolverBodies, SolverMotion};
+use crate::state::bodies::invert_inertia;
 use crate::state::manifolds::nearest;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Contact, Manifolds, Plane, StepConfig};
-use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// The distance at which bodies are stopped, as a fraction of the gap between bodies at rest. It is smaller than that
@@ -158,9 +158,7 @@ impl Ccd {
             had_impact[i] = true;
             let motion = &mut solver_bodies.motions[i];
             (motion.center, motion.rotation) = (impact.end.center, impact.end.rotation);
-            let velocity = motion.linear_velocity.as_dvec3();
-            let gained = gained_while_held(bodies, config, impact, &sweeps[i], velocity);
-            motion.linear_velocity = (velocity - gained).as_vec3();
+            take_unearned(motion, bodies, config, impact, &sweeps[i]);
         }
         // A body without any motion before its impact has come nearer in each collision substep, because the target
         // distance is halved. It is moved back to the full distance, so that it can move again.
@@ -186,19 +184,30 @@ impl Ccd {
     }
 }
 
-/// The velocity that gravity and the external force gave a body while another one held it after its impact. It has not fallen
-/// meanwhile, so that velocity would be energy from nothing.
-fn gained_while_held(bodies: &Bodies, config: &StepConfig, impact: &Impact, sweep: &Sweep, velocity: DVec3) -> DVec3 {
+/// Takes from a body what gravity and the external force gave it for a way that it has not gone, because another body held it
+/// after its impact: energy from nothing.
+fn take_unearned(motion: &mut SolverMotion, bodies: &Bodies, config: &StepConfig, impact: &Impact, sweep: &Sweep) {
     let i = impact.body as usize;
+    let (fraction, left) = (f64::from(impact.fraction), 1.0 - f64::from(impact.fraction));
+    let held = left * f64::from(bodies.travel_time[i]);
+    if held <= 0.0 {
+        return;
+    }
+    // Relative to what holds it, or along which it slides.
+    let way = impact.end.center - sweep.at(fraction).center;
     let acceleration = bodies.acceleration(i, config.gravity).as_dvec3();
-    let held = (1.0 - f64::from(impact.fraction)) * f64::from(bodies.travel_time[i]);
-    let Some(down) = acceleration.try_normalize().filter(|_| held > 0.0) else {
-        return DVec3::ZERO;
-    };
-    // The body may have gone on with what holds it, or along that.
-    let followed = (impact.end.center - sweep.at(f64::from(impact.fraction)).center) / held;
-    let ahead = (velocity - followed).dot(down).max(0.0);
-    down * ahead.min(acceleration.length() * held)
+    // Energies are those of a kilogram.
+    let unearned = acceleration.dot(left * sweep.travel - way);
+    let carried = way / held;
+    let velocity = motion.linear_velocity.as_dvec3() - carried;
+    let spin = motion.angular_velocity.as_dvec3();
+    let inertia = invert_inertia(bodies.inverse_inertia[i].as_dmat3()) * f64::from(bodies.inverse_mass[i]);
+    let kinetic = 0.5 * (velocity.length_squared() + spin.dot(inertia * spin));
+    if unearned > 0.0 && kinetic > 0.0 {
+        let kept = (1.0 - unearned / kinetic).max(0.0).sqrt();
+        motion.linear_velocity = (carried + kept * velocity).as_vec3();
+        motion.angular_velocity = (kept * spin).as_vec3();
+    }
 }
 
 /// The motion of body `i` from its pose in `bodies` to that in `solver_bodies`.

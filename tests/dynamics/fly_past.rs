@@ -310,7 +310,8 @@ fn met(paths: &[MovingMesh; 2]) -> Option<f64> {
         let far = apart(t);
         let gap = if far > 0.01 { far } else { distance(paths, t, 0.5) };
         is_near |= gap <= 1.0e-4;
-        let step = (gap / speed).max(1.0e-3 / speed);
+        // No nearer place is passed over, unless they are near anyway.
+        let step = if gap == 0.0 { 1.0e-3 } else { gap.max(1.0e-4) } / speed;
         if gap == 0.0 {
             way += step * speed;
         }
