@@ -190,6 +190,9 @@ struct Flight {
     paths: [MovingMesh; 2],
 }
 
+/// A larger change of velocity, m/s, shows that a body has met another, though it be at a glancing angle.
+const CHANGED: f32 = 1.0e-4;
+
 /// The first of [`small_shapes`] are closed; these are so many.
 const SOLIDS: usize = 5;
 
@@ -270,11 +273,11 @@ pub fn throw(seed: u64, count: usize, spins: bool) -> Passes {
             let Some(depth) = met(&flight.paths) else { continue };
             if depth == 0.0 {
                 passes.free += 1;
-                passes.deflected += usize::from(change > 1.0e-4);
+                passes.deflected += usize::from(change > CHANGED);
                 passes.worst = passes.worst.max(change);
             } else {
                 passes.hits += 1;
-                passes.missed += usize::from(change < 1.0e-3 * speed);
+                passes.missed += usize::from(change <= CHANGED);
             }
         }
     }
