@@ -11,6 +11,7 @@
 #import faceoff::near_patches::{build_level, patches}
 #import faceoff::rims::{Rim, ends_at_rim, rim_of}
 #import faceoff::sides
+#import faceoff::thread_sums::{before_threads, of_all_threads}
 #import faceoff::types as t
 
 @group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
@@ -24,7 +25,6 @@ const MAX_LOOSE_ENDS: u32 = 1024u;
 var<workgroup> loose: atomic<u32>;
 var<workgroup> changed: array<atomic<u32>, 3>;
 // Of 64 segments: numbers of segments and of contours before; then labels.
-var<workgroup> scanned: array<vec2<u32>, 64>;
 var<workgroup> labels: array<u32, 64>;
 var<workgroup> best_reach: array<vec4<f32>, 64>;
 var<workgroup> best_end: array<vec4<u32>, 64>;
@@ -210,7 +210,7 @@ fn group_by_contour(a: sides::Side, b: sides::Side, has_rims: bool, thread: u32)
             own.x = atomicLoad(&contour_links[size_of(i)]);
             own.y = u32(own.x > 1u || (own.x == 1u && has_rims && ends_at_rim(a, b, i)));
         }
-        let earlier = before + exclusive_sum(own, thread);
+        let earlier = before + before_threads(own, thread);
         if i < count {
             // It grows to the end while segments are placed.
             atomicStore(&contour_links[end_of(i)], earlier.x);
@@ -218,7 +218,7 @@ fn group_by_contour(a: sides::Side, b: sides::Side, has_rims: bool, thread: u32)
         if own.y == 1u {
             atomicStore(&contour_links[root_of(earlier.y)], i);
         }
-        before += scanned[63];
+        before += of_all_threads();
         workgroupBarrier();
     }
     sync();
@@ -244,22 +244,6 @@ fn group_by_contour(a: sides::Side, b: sides::Side, has_rims: bool, thread: u32)
         sync();
     }
     return before.y;
-}
-
-// The total is in `scanned[63]`.
-fn exclusive_sum(own: vec2<u32>, thread: u32) -> vec2<u32> {
-    var inclusive = own;
-    for (var reach = 1u; reach < 64u; reach *= 2u) {
-        scanned[thread] = inclusive;
-        workgroupBarrier();
-        if thread >= reach {
-            inclusive += scanned[thread - reach];
-        }
-        workgroupBarrier();
-    }
-    scanned[thread] = inclusive;
-    workgroupBarrier();
-    return inclusive - own;
 }
 
 fn find_patches(

@@ -72,50 +72,31 @@ fn farthest(side: sides::Side, end: u32, way: vec3<f32>) -> Farthest {
     let pad = 4.0e-6 * dot(meshes[side.mesh].box_half, size);
     var best = Farthest(vec3(0.0), t::NOTHING);
     var height = -t::DROPPED;
-    // The node at hand. Of it and its ancestors, the children that are still to be opened: eight bits per level, the
-    // lowest level first.
-    var level = meshes[side.mesh].levels - 1u;
-    var number = 0u;
-    var waiting = vec2(0u);
-    var is_new = true;
-    var done = false;
-    while !done {
-        var mask = 0u;
-        if is_new {
-            for (var k = 0u; k < 8u; k += 1u) {
-                let child = 8u * number + k;
-                if level == 0u {
-                    for (var corner = 0u; corner < 3u && child < side.triangle_count; corner += 1u) {
-                        let position = vector(side.triangles + 9u * child + 3u * corner);
-                        let own = dot(position, along);
-                        if own > height || (own == height && child < best.triangle) {
-                            height = own;
-                            best = Farthest(position, child);
-                        }
-                    }
-                } else {
-                    let at = tree::box_of(end, tree::node(level - 1u, child));
-                    if at != 0u && dot(vector(at), along) + dot(vector(at + 3u), size) + pad >= height {
-                        mask |= 1u << k;
+    let levels = meshes[side.mesh].levels;
+    var walk = tree::walk(levels);
+    while !walk.is_done {
+        var opened = 0u;
+        for (var k = 0u; walk.is_new && k < 8u; k += 1u) {
+            let child = 8u * walk.number + k;
+            if walk.level == 0u {
+                for (var corner = 0u; corner < 3u && child < side.triangle_count; corner += 1u) {
+                    let position = vector(side.triangles + 9u * child + 3u * corner);
+                    let own = dot(position, along);
+                    if own > height || (own == height && child < best.triangle) {
+                        height = own;
+                        best = Farthest(position, child);
                     }
                 }
+            } else {
+                let at = tree::box_of(end, tree::node(walk.level - 1u, child));
+                if at != 0u && dot(vector(at), along) + dot(vector(at + 3u), size) + pad >= height {
+                    opened |= 1u << k;
+                }
             }
-        } else {
-            mask = extractBits(waiting[level / 4u], 8u * (level % 4u), 8u);
         }
-        is_new = mask != 0u;
-        if is_new {
-            let k = firstLeadingBit(mask);
-            waiting[level / 4u] = insertBits(waiting[level / 4u], mask & ~(1u << k), 8u * (level % 4u), 8u);
-            level -= 1u;
-            number = 8u * number + k;
-        } else {
-            level += 1u;
-            number /= 8u;
-            done = level == meshes[side.mesh].levels;
-        }
+        walk = tree::advance(walk, levels, opened);
     }
-    deepest_unfinished = deepest_unfinished || !done;
+    deepest_unfinished = deepest_unfinished || !walk.is_done;
     best.position = sides::place(side, best.position);
     return best;
 }

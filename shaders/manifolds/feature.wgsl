@@ -29,23 +29,31 @@ fn none() -> t::Feature {
     return feature;
 }
 
+// Whether a point in the plane of a triangle lies within the triangle, or outside by no more than rounding. No point is over a
+// degenerate one.
+fn is_over(side: sides::Side, over: sides::Triangle, foot: vec3<f32>, rounding: f32) -> bool {
+    var next = sides::corner(side, over.number, 0u);
+    for (var i = 0u; i < 3u; i += 1u) {
+        let start = next;
+        next = sides::corner(side, over.number, (i + 1u) % 3u);
+        let edge = next - start;
+        let inside = dot(cross(edge, foot - start), over.normal) * over.winding_sign;
+        let square = dot(edge, edge);
+        if inside <= -(OUTSIDE * square + rounding * sqrt(square)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 // The feature of corner k of the triangle `own` over the triangle `over` of the other side.
 fn vertex_feature(
     side: sides::Side, own: u32, other: sides::Side, over: sides::Triangle, height: f32, k: u32, rounding: f32
 ) -> t::Feature {
     let p = sides::corner(side, own, k);
     let foot = p - over.normal * height;
-    var next = sides::corner(other, over.number, 0u);
-    for (var i = 0u; i < 3u; i += 1u) {
-        let start = next;
-        next = sides::corner(other, over.number, (i + 1u) % 3u);
-        let edge = next - start;
-        let inside = dot(cross(edge, foot - start), over.normal) * over.winding_sign;
-        let square = dot(edge, edge);
-        // Degenerate triangles have no features.
-        if inside <= -(OUTSIDE * square + rounding * sqrt(square)) {
-            return none();
-        }
+    if !is_over(other, over, foot, rounding) {
+        return none();
     }
     let vertex = sides::vertices(side, own)[k];
     let range = sides::neighbors(side, vertex);

@@ -15,6 +15,7 @@
 #import faceoff::near_patches::{next_near, patches, search_unfinished}
 #endif
 #import faceoff::sides
+#import faceoff::thread_sums::{before_threads, of_all_threads}
 #import faceoff::types as t
 
 #ifdef PIECES
@@ -43,7 +44,6 @@ const IS_DEEP: bool = false;
 #endif
 
 // Counts of features and of segments.
-var<workgroup> sums: array<vec2<u32>, 64>;
 var<workgroup> base: vec2<u32>;
 
 @compute @workgroup_size(64)
@@ -141,7 +141,7 @@ fn place_pieces(first: u32, count: u32, places: vec2<u32>, thread: u32) {
             near_pieces[at].first_feature = select(place.x, t::NOTHING, places.x == t::NOTHING);
             near_pieces[at].first_segment = place.y;
         }
-        next += sums[63];
+        next += of_all_threads();
         workgroupBarrier();
     }
 }
@@ -167,7 +167,7 @@ fn process(
                 known = near_triangles[at].z;
             }
             place += before_threads(counts(known), thread);
-            next += sums[63];
+            next += of_all_threads();
             workgroupBarrier();
         }
         if i < near_count && (!writes || known != 0u) {
@@ -197,22 +197,6 @@ fn check(finished: bool) {
 
 fn counts(mask: u32) -> vec2<u32> {
     return vec2(countOneBits(mask & 0x7fffu), mask >> SEGMENT);
-}
-
-// Exclusive scan over the threads. The total is in `sums[63]`.
-fn before_threads(own: vec2<u32>, thread: u32) -> vec2<u32> {
-    var inclusive = own;
-    for (var reach = 1u; reach < 64u; reach *= 2u) {
-        sums[thread] = inclusive;
-        workgroupBarrier();
-        if thread >= reach {
-            inclusive += sums[thread - reach];
-        }
-        workgroupBarrier();
-    }
-    sums[thread] = inclusive;
-    workgroupBarrier();
-    return inclusive - own;
 }
 
 #ifndef PIECES

@@ -12,6 +12,7 @@
 #import faceoff::near_ranges::{range_count, range_of}
 #import faceoff::nearest::{CORNER_EDGES, EDGE_CORNERS, EDGE_EDGES, OVER_SECOND, candidates, feature_of}
 #import faceoff::sides
+#import faceoff::thread_sums::{before_threads, of_all_threads}
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
@@ -24,7 +25,6 @@
 // Where `features.wgsl` has its bits of pairs of edges.
 const EDGE_BITS_AT: u32 = 6u;
 
-var<workgroup> sums: array<u32, 64>;
 var<workgroup> least: array<f32, 64>;
 var<workgroup> base: u32;
 
@@ -79,15 +79,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                     if is_used {
                         own = known_of(at);
                     }
-                    let place = next + before_threads(countOneBits(own.x) + countOneBits(own.y), thread);
-                    next += sums[63];
+                    let place = next + before_threads(vec2(countOneBits(own.x) + countOneBits(own.y), 0u), thread).x;
+                    next += of_all_threads().x;
                     workgroupBarrier();
                     write_features(setup, a, b, at, own, place, most_of_solids);
                 }
             }
         }
         if phase == 0u {
-            let before = before_threads(found, thread);
+            let before = before_threads(vec2(found, 0u), thread).x;
             if thread == 63u {
                 base = reserve(index, before + found);
             }
@@ -273,22 +273,6 @@ fn bit_of(number: u32) -> vec2<u32> {
 
 fn is_beyond(heights: vec3<f32>, reach: f32) -> bool {
     return all(heights > vec3(reach)) || all(heights < vec3(-reach));
-}
-
-// Exclusive scan over the threads. The total is in `sums[63]`.
-fn before_threads(own: u32, thread: u32) -> u32 {
-    var inclusive = own;
-    for (var reach = 1u; reach < 64u; reach *= 2u) {
-        sums[thread] = inclusive;
-        workgroupBarrier();
-        if thread >= reach {
-            inclusive += sums[thread - reach];
-        }
-        workgroupBarrier();
-    }
-    sums[thread] = inclusive;
-    workgroupBarrier();
-    return inclusive - own;
 }
 
 // The least value of all threads.

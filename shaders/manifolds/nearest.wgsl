@@ -6,7 +6,7 @@
 
 #import faceoff::arena::words
 #import faceoff::constants::manifolds::{ALONG, OUTSIDE}
-#import faceoff::features::{TrianglePair, none}
+#import faceoff::features::{TrianglePair, is_over, none}
 #import faceoff::math::direction
 #import faceoff::sides
 #import faceoff::types as t
@@ -296,16 +296,8 @@ fn over_back(
     let number = own_of(side, pair);
     let p = sides::corner(side, number, k);
     let foot = p - over.normal * height;
-    var next = sides::corner(other, over.number, 0u);
-    for (var i = 0u; i < 3u; i += 1u) {
-        let start = next;
-        next = sides::corner(other, over.number, (i + 1u) % 3u);
-        let edge = next - start;
-        let inside = dot(cross(edge, foot - start), over.normal) * over.winding_sign;
-        let square = dot(edge, edge);
-        if inside <= -(OUTSIDE * square + pair.rounding * sqrt(square)) {
-            return none();
-        }
+    if !is_over(other, over, foot, pair.rounding) {
+        return none();
     }
     let vertex = sides::vertices(side, number)[k];
     if !corner_faces(side, vertex, p, foot - p, pair.rounding) {

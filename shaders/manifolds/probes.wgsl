@@ -61,48 +61,29 @@ fn exit(side: sides::Side, end: u32, start: vec3<f32>, direction: vec3<f32>, max
     let whole = abs(side.scale) * meshes[side.mesh].box_half;
     let pad = 4.0e-6 * (whole.x + whole.y + whole.z);
     var nearest = Exit(max_distance, t::NOTHING);
-    // The node at hand. Of it and its ancestors, the children that are still to be opened: eight bits per level, the
-    // lowest level first.
-    var level = meshes[side.mesh].levels - 1u;
-    var number = 0u;
-    var waiting = vec2(0u);
-    var is_new = true;
-    var done = false;
-    while !done {
-        var mask = 0u;
-        if is_new {
-            for (var k = 0u; k < 8u; k += 1u) {
-                let child = 8u * number + k;
-                if level == 0u {
-                    if child < side.triangle_count {
-                        let distance = meets(side, child, origin, along);
-                        if distance < nearest.distance {
-                            nearest = Exit(distance, child);
-                        }
-                    }
-                } else {
-                    let at = tree::box_of(end, tree::node(level - 1u, child));
-                    if at != 0u && passes(side, at, origin, inverse, pad, nearest.distance) {
-                        mask |= 1u << k;
+    let levels = meshes[side.mesh].levels;
+    var walk = tree::walk(levels);
+    while !walk.is_done {
+        var opened = 0u;
+        for (var k = 0u; walk.is_new && k < 8u; k += 1u) {
+            let child = 8u * walk.number + k;
+            if walk.level == 0u {
+                if child < side.triangle_count {
+                    let distance = meets(side, child, origin, along);
+                    if distance < nearest.distance {
+                        nearest = Exit(distance, child);
                     }
                 }
+            } else {
+                let at = tree::box_of(end, tree::node(walk.level - 1u, child));
+                if at != 0u && passes(side, at, origin, inverse, pad, nearest.distance) {
+                    opened |= 1u << k;
+                }
             }
-        } else {
-            mask = extractBits(waiting[level / 4u], 8u * (level % 4u), 8u);
         }
-        is_new = mask != 0u;
-        if is_new {
-            let k = firstLeadingBit(mask);
-            waiting[level / 4u] = insertBits(waiting[level / 4u], mask & ~(1u << k), 8u * (level % 4u), 8u);
-            level -= 1u;
-            number = 8u * number + k;
-        } else {
-            level += 1u;
-            number /= 8u;
-            done = level == meshes[side.mesh].levels;
-        }
+        walk = tree::advance(walk, levels, opened);
     }
-    rays_unfinished = rays_unfinished || !done;
+    rays_unfinished = rays_unfinished || !walk.is_done;
     if nearest.triangle != t::NOTHING && dot(direction, sides::baked_normal(side, nearest.triangle)) <= 0.0 {
         nearest.triangle = t::NOTHING;
     }

@@ -17,46 +17,25 @@ fn is_near(side: sides::Side, end: u32, p: vec3<f32>, most: f32) -> bool {
     let at = sides::to_own(side, p);
     let whole = abs(side.scale) * meshes[side.mesh].box_half;
     let reach = most + 4.0e-6 * (whole.x + whole.y + whole.z);
-    // The node at hand. Of it and its ancestors, the children that are still to be opened: eight bits per level, the
-    // lowest level first.
-    var level = meshes[side.mesh].levels - 1u;
-    var number = 0u;
-    var waiting = vec2(0u);
-    var is_new = true;
+    let levels = meshes[side.mesh].levels;
+    var walk = tree::walk(levels);
     var is_found = false;
-    var done = false;
-    while !done {
-        var mask = 0u;
-        if is_new {
-            for (var k = 0u; k < 8u; k += 1u) {
-                let child = 8u * number + k;
-                if level == 0u {
-                    is_found = is_found || (child < side.triangle_count && is_within(side, child, at, most));
-                } else {
-                    let place = tree::box_of(end, tree::node(level - 1u, child));
-                    if place != 0u && is_box_within(side, place, at, reach) {
-                        mask |= 1u << k;
-                    }
+    while !walk.is_done && !is_found {
+        var opened = 0u;
+        for (var k = 0u; walk.is_new && k < 8u; k += 1u) {
+            let child = 8u * walk.number + k;
+            if walk.level == 0u {
+                is_found = is_found || (child < side.triangle_count && is_within(side, child, at, most));
+            } else {
+                let place = tree::box_of(end, tree::node(walk.level - 1u, child));
+                if place != 0u && is_box_within(side, place, at, reach) {
+                    opened |= 1u << k;
                 }
             }
-        } else {
-            mask = extractBits(waiting[level / 4u], 8u * (level % 4u), 8u);
         }
-        is_new = mask != 0u;
-        if is_found {
-            done = true;
-        } else if is_new {
-            let k = firstLeadingBit(mask);
-            waiting[level / 4u] = insertBits(waiting[level / 4u], mask & ~(1u << k), 8u * (level % 4u), 8u);
-            level -= 1u;
-            number = 8u * number + k;
-        } else {
-            level += 1u;
-            number /= 8u;
-            done = level == meshes[side.mesh].levels;
-        }
+        walk = tree::advance(walk, levels, opened);
     }
-    surface_unfinished = surface_unfinished || !done;
+    surface_unfinished = surface_unfinished || !(walk.is_done || is_found);
     return is_found;
 }
 

@@ -41,6 +41,44 @@ fn box_of(end: u32, node: u32) -> u32 {
     return select(0u, first[level] + 6u * number, number < count[level]);
 }
 
+// A walk of one thread over a tree, from the root down.
+struct Walk {
+    // The node at hand.
+    level: u32,
+    number: u32,
+    // Its children have not been looked at.
+    is_new: bool,
+    // No node is left.
+    is_done: bool,
+    // The children that are still to be opened, of the node at hand and of those above it: eight bits per level, the lowest
+    // level first.
+    waiting: vec2<u32>,
+}
+
+// The walk at the root of a tree of so many levels.
+fn walk(levels: u32) -> Walk {
+    return Walk(levels - 1u, 0u, true, false, vec2(0u));
+}
+
+// The walk at its next node. `opened` has a bit for each child of a new node that is to be opened.
+fn advance(before: Walk, levels: u32, opened: u32) -> Walk {
+    var walk = before;
+    let bits = 8u * (walk.level % 4u);
+    let mask = select(extractBits(walk.waiting[walk.level / 4u], bits, 8u), opened, walk.is_new);
+    walk.is_new = mask != 0u;
+    if walk.is_new {
+        let k = firstLeadingBit(mask);
+        walk.waiting[walk.level / 4u] = insertBits(walk.waiting[walk.level / 4u], mask & ~(1u << k), bits, 8u);
+        walk.level -= 1u;
+        walk.number = 8u * walk.number + k;
+    } else {
+        walk.level += 1u;
+        walk.number /= 8u;
+        walk.is_done = walk.level == levels;
+    }
+    return walk;
+}
+
 // What one of 64 threads compares when a pair of nodes is opened.
 struct Opened {
     // A pair of nodes or, if both are leaves, the numbers of two triangles.

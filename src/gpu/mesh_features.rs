@@ -11,8 +11,8 @@ use glam::Vec3;
 pub const HEADER: usize = 8;
 
 /// Number of words per triangle: vertices; edges; the triangles across the edges that it owns; normal; what it owns, whether it
-/// is one-sided, and the largest rotations of normals at its edges and of ways to nearest points; radius of curvature; number in the source mesh; lower bound of the
-/// curvature.
+/// is one-sided, and the largest rotations of normals at its edges and of ways to nearest points; radius of curvature; number
+/// in the source mesh; lower bound of the curvature.
 pub const RECORD: usize = 16;
 
 /// Number of words per vertex of its normal and roundness: the normal; the radii of curvature of a surface, or the
@@ -92,10 +92,8 @@ fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u3
     words.extend(features.normals[t].to_array().map(f32::to_bits));
     // Rounded up.
     let turn = |angle: f32| ((angle * (255.0 / ANY_NORMAL)).ceil() as u32).min(255);
-    let (edge_turn, near_turn) = (
-        turn(features.edge_normal_rotations[t]),
-        turn(features.nearest_rotations[t]),
-    );
+    let edge_turn = turn(features.edge_normal_rotations[t]);
+    let near_turn = turn(features.nearest_rotations[t]);
     let one_sided = u32::from(features.one_sided.is(t)) * ONE_SIDED;
     words.push(features.owned[t] | one_sided | (edge_turn << 8) | (near_turn << 16));
     words.push(features.curvature_radii[t].min(FLAT_RADIUS).to_bits());

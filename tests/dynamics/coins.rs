@@ -26,7 +26,7 @@ fn coin() -> TriMesh {
 struct Outcome {
     /// The most energy of a coin, J/kg, over what the highest one had at the start.
     gain: f64,
-    /// Those that went through the shelf.
+    /// How many went through the shelf.
     through: usize,
 }
 

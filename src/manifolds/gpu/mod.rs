@@ -154,6 +154,7 @@ pub const SHADERS: Shaders = Shaders {
         reduce::CONSTANTS,
         module!("manifolds/batches"),
         module!("manifolds/contact_slots"),
+        module!("manifolds/thread_sums"),
         module!("manifolds/side"),
         module!("manifolds/feature"),
         module!("manifolds/nearest"),
