@@ -7,21 +7,21 @@ use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::BoxGroup;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::cell::Cell;
 
-/// The vertex of `side` that is farthest along the unit vector `direction`, in single precision.
-pub fn farthest(side: &Side, direction: DVec3) -> Option<u32> {
+/// The vertex of `side` that is farthest along the unit vector `direction`, in single precision, if it is farther than
+/// `beyond`.
+pub fn farthest(side: &Side, direction: DVec3, beyond: f64) -> Option<u32> {
     let lanes = side.mesh.lanes();
     let local = side.direction_from(direction);
     let simd = baseline();
     let along = splat_point(simd, local.as_vec3());
     let size = splat_point(simd, local.as_vec3().abs());
-    let pad = splat(
-        simd,
-        PAD * (lanes.aabb.max - lanes.aabb.min).length() * local.length() as f32,
-    );
-    let best = Cell::new((f32::NEG_INFINITY, None));
+    let pad = PAD * (lanes.aabb.max - lanes.aabb.min).length() * local.length() as f32;
+    let beyond = (beyond - direction.dot(side.place(Vec3::ZERO))) as f32;
+    let best = Cell::new((beyond - pad, None));
+    let pad = splat(simd, pad);
     let reaches = |group: &BoxGroup| {
         let (center, half) = (load_points(simd, &group.center), load_points(simd, &group.half));
         let highest = dot(center, along) + dot(half, size) + pad;

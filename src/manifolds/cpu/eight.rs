@@ -312,20 +312,29 @@ impl<S: Simd> TwoTriangles<S> {
     #[inline(always)]
     fn gaps(&self, pad: f32) -> [f32; 8] {
         let simd = self.a[0][0].simd;
-        let of_normal = |edges: &[Points<S>; 3]| {
-            let axis = cross(edges[0], edges[1]);
-            // From one corner, so that rounding errors are in proportion to the distance of the triangles.
-            let heights = |corners: &[Points<S>; 3]| each(|k| dot(axis, sub(corners[k], self.a[0])));
-            let (of_a, of_b) = (heights(&self.a), heights(&self.b));
-            let gap = (least(of_b) - largest(of_a)).max(least(of_a) - largest(of_b));
-            length_along(gap, axis)
-        };
-        let mut gap = of_normal(&self.edges_a).max(of_normal(&self.edges_b));
+        let mut gap = self.gap_of_normal(&self.edges_a).max(self.gap_of_normal(&self.edges_b));
         for (i, j) in PAIRS_OF_EDGES {
             let (apart, axis) = self.gap_of_edges(i, j);
             gap = gap.max(length_along(apart, axis));
         }
         (gap - splat(simd, pad)).into()
+    }
+
+    /// The gap along the normal of the triangle with these edges.
+    #[inline(always)]
+    fn gap_of_normal(&self, edges: &[Points<S>; 3]) -> f32x8<S> {
+        let axis = cross(edges[0], edges[1]);
+        // From one corner, so that rounding errors are in proportion to the distance of the triangles.
+        let of_a = each(
+            #[inline(always)]
+            |k| dot(axis, sub(self.a[k], self.a[0])),
+        );
+        let of_b = each(
+            #[inline(always)]
+            |k| dot(axis, sub(self.b[k], self.a[0])),
+        );
+        let gap = (least(of_b) - largest(of_a)).max(least(of_a) - largest(of_b));
+        length_along(gap, axis)
     }
 
     /// The gap along the common perpendicular of edges `i` and `j`, times the length of that axis, and the axis.

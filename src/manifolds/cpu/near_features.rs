@@ -22,6 +22,8 @@ pub struct NearFeatures {
     margin: f64,
     /// The least distance of other features.
     others: f64,
+    /// The least distance of those of one-sided triangles so far.
+    least: f64,
     /// The vertices that have a feature over a face, with its separation.
     vertices: Vec<((u8, u32), f64)>,
     /// The edges that have a feature, by their triangles.
@@ -37,7 +39,13 @@ impl NearFeatures {
 
     /// Sets the largest distance of features, and the least of other ones.
     pub fn set_limits(&mut self, margin: f64, others: f64) {
-        (self.margin, self.others) = (margin, others);
+        (self.margin, self.others, self.least) = (margin, others, f64::INFINITY);
+    }
+
+    /// The largest distance at which features of one-sided triangles can still count.
+    pub fn most(&self) -> f64 {
+        let beside = self.least + BESIDE * self.margin;
+        beside.min(NEARER * self.others).min(self.margin)
     }
 
     /// Adds the features of two triangles.
@@ -47,8 +55,10 @@ impl NearFeatures {
             one_sided.is(pair.triangles[i].number as usize)
         });
         if one_sided {
-            let most = self.margin.min(NEARER * self.others);
-            pair.nearest_features(most, |feature| self.of_solids.push(feature));
+            pair.nearest_features(self.most(), |feature| {
+                self.least = self.least.min(feature.separation);
+                self.of_solids.push(feature);
+            });
         } else {
             pair.nearest_features(self.margin, |feature| self.of_sheets.push(feature));
         }
@@ -59,8 +69,7 @@ impl NearFeatures {
         if !self.of_sheets.is_empty() {
             self.drop_known(features);
         }
-        let nearest = self.of_solids.iter().map(|feature| feature.separation);
-        let most = nearest.fold(f64::INFINITY, f64::min) + BESIDE * self.margin;
+        let most = self.least + BESIDE * self.margin;
         let counts = |feature: &&Feature| feature.separation <= most;
         features.extend(self.of_solids.iter().filter(counts));
         features.extend_from_slice(&self.of_sheets);

@@ -221,39 +221,46 @@ impl TrianglePair<'_> {
         if !self.is_within(most) {
             return;
         }
-        let owned = |i: usize| self.sides[i].features.owned[self.triangles[i].number as usize];
-        let corners: [ArrayVec<Corner, 3>; 2] = [0, 1].map(|i| {
-            let corner = |k| Corner::new(&self.sides[i], self.triangles[i], k);
-            bits(owned(i) & 0b111).map(corner).collect()
-        });
-        let edges: [ArrayVec<Edge, 3>; 2] = [0, 1].map(|i| {
-            let edge = |k| Edge::new(&self.sides[i], self.triangles[i], k);
-            bits(owned(i) >> 3 & 0b111).map(edge).collect()
-        });
-        for a in &corners[0] {
-            for b in &corners[1] {
-                self.of_corners([a, b], most, wider).map(&mut found);
+        for a in self.corners(0) {
+            for b in self.corners(1) {
+                self.of_corners([&a, &b], most, wider).map(&mut found);
             }
         }
-        for (i, (corners, edges)) in corners.iter().zip(edges.iter().rev()).enumerate() {
-            for corner in corners {
-                for edge in edges {
-                    self.of_corner_and_edge(i, corner, edge, most, wider).map(&mut found);
+        for i in 0..2 {
+            let over = self.triangles[1 - i];
+            let one_sided = self.sides[1 - i].features.one_sided.is(over.number as usize);
+            for corner in self.corners(i) {
+                for edge in self.edges_of(1 - i) {
+                    self.of_corner_and_edge(i, &corner, &edge, most, wider).map(&mut found);
                 }
-                if !self.sides[1 - i]
-                    .features
-                    .one_sided
-                    .is(self.triangles[1 - i].number as usize)
-                {
-                    self.over_back(i, corner, most, wider).map(&mut found);
+                if !one_sided {
+                    self.over_back(i, &corner, most, wider).map(&mut found);
                 }
             }
         }
-        for a in &edges[0] {
-            for b in &edges[1] {
-                self.of_edges([a, b], most, wider).map(&mut found);
+        for a in self.edges_of(0) {
+            for b in self.edges_of(1) {
+                self.of_edges([&a, &b], most, wider).map(&mut found);
             }
         }
+    }
+
+    /// The corners that a side's triangle owns.
+    #[inline(always)]
+    fn corners(&self, i: usize) -> impl Iterator<Item = Corner<'_>> {
+        let corner = move |k| Corner::new(&self.sides[i], self.triangles[i], k);
+        bits(self.owned(i) & 0b111).map(corner)
+    }
+
+    /// The edges that a side's triangle owns.
+    #[inline(always)]
+    fn edges_of(&self, i: usize) -> impl Iterator<Item = Edge<'_>> {
+        let edge = move |k| Edge::new(&self.sides[i], self.triangles[i], k);
+        bits(self.owned(i) >> 3 & 0b111).map(edge)
+    }
+
+    fn owned(&self, i: usize) -> u32 {
+        self.sides[i].features.owned[self.triangles[i].number as usize]
     }
 
     fn of_corners(&self, [a, b]: [&Corner; 2], most: f64, wider: &Wider) -> Option<Points> {

@@ -272,12 +272,13 @@ fn deepest_probes(
         }
         let way = [patch.normal, -patch.normal][i];
         let known = middle.map_or(0.0, |probe| probe.ways[i]);
-        let number = farthest(&sides[i], way)?;
+        let least = most.max(known * DEEPER);
+        let number = farthest(&sides[i], way, least + way.dot(patch.center))?;
         let vertex = sides[i].vertex(number) - patch.center;
         let depth = vertex.dot(way);
         let aside = vertex - way * depth;
-        let (known, most_aside) = (known * DEEPER, patch.reach + ASIDE * depth);
-        if depth <= most.max(known) || depth > RAY_LENGTH * size || aside.length() > most_aside {
+        let most_aside = patch.reach + ASIDE * depth;
+        if depth <= least || depth > RAY_LENGTH * size || aside.length() > most_aside {
             return None;
         }
         // Nothing of its own body lies beyond the vertex.

@@ -4,7 +4,6 @@
 
 use super::candidates::Candidates;
 use super::crossing::{Crossings, Segment};
-use super::eight::GapPair;
 use super::feature::{Feature, TrianglePair};
 use super::kept::{KeptCandidates, Source};
 use super::near::NearTriangles;
@@ -123,15 +122,22 @@ impl Shares {
                         let Some(both) = TrianglePair::new(&pair.sides, triangles.each_ref(), reach) else {
                             return;
                         };
-                        nearest.add(&both);
-                        if slack.distance > 0.0 && both.may_have_nearest(reach, slack) {
+                        if slack.distance > 0.0 {
+                            // What has no features after any motion within the slack has none now.
+                            if !both.may_have_nearest(reach, slack) {
+                                return;
+                            }
                             candidates.nearest.push(found);
                         }
+                        nearest.add(&both);
                     });
                 }
                 Source::Kept { motion, .. } if most > 0.0 => {
-                    let within = |found: &&GapPair| f64::from(found.gap) <= most + motion;
-                    for found in candidates.nearest.iter().filter(within) {
+                    for found in &candidates.nearest {
+                        let most = if one_sided { nearest.most() } else { most };
+                        if f64::from(found.gap) > most + motion {
+                            continue;
+                        }
                         let triangles = [0, 1].map(|i| pair.sides[i].triangle(found.triangles[i]));
                         if let Some(both) = TrianglePair::new(&pair.sides, triangles.each_ref(), most) {
                             nearest.add(&both);
