@@ -77,6 +77,13 @@ pub const GAMES: &[Game] = &[
             world.spawn((RigidBody::Dynamic, cube.clone(), place));
         }
     }),
+    game("ten cubes in flight, none static", 64, |world| level(world, 0)),
+    game("ten cubes in flight, 1,000 static", 64, |world| level(world, 1_000)),
+    game("ten cubes in flight, 100,000 static", 6000, |world| {
+        level(world, 100_000)
+    }),
+    game("4,000 cubes asleep on a floor, ten in flight", 128, sleepers),
+    game("one cube spawned and one despawned a step, 20,000 static", 64, spawning),
     game("ball in a room", 256, |world| {
         let room = shapes::cube(4.0);
         let inward = room.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
@@ -101,6 +108,47 @@ pub const GAMES: &[Game] = &[
 fn mesh(world: &mut World, mesh: &TriMesh) -> MeshCollider {
     let baked = CollisionMesh::new(mesh);
     MeshCollider(world.resource_mut::<Assets<CollisionMesh>>().add(baked))
+}
+
+/// So many static cubes, and ten that fall above them.
+fn level(world: &mut World, count: usize) {
+    let cube = mesh(world, &shapes::cube(1.0));
+    for place in lattice(count, 3.0) {
+        world.spawn((RigidBody::Static, cube.clone(), place));
+    }
+    for i in 0..10 {
+        let place = Transform::from_xyz(3.0 * i as f32, 400.0, 0.0);
+        world.spawn((RigidBody::Dynamic, cube.clone(), place));
+    }
+}
+
+/// Cubes that fall asleep on a floor, and ten that fall above them.
+fn sleepers(world: &mut World) {
+    let cube = mesh(world, &shapes::cube(1.0));
+    let floor = Transform::from_scale(Vec3::new(400.0, 1.0, 400.0)).with_translation(Vec3::new(60.0, -0.501, 60.0));
+    world.spawn((RigidBody::Static, cube.clone(), floor));
+    for i in 0..4_000 {
+        let place = Transform::from_xyz(2.0 * (i % 64) as f32, 0.5005, 2.0 * (i / 64) as f32);
+        world.spawn((RigidBody::Dynamic, cube.clone(), place));
+    }
+    for i in 0..10 {
+        let place = Transform::from_xyz(3.0 * i as f32, 400.0, 0.0);
+        world.spawn((RigidBody::Dynamic, cube.clone(), place));
+    }
+}
+
+/// A level in which a cube comes and another goes in every step.
+fn spawning(world: &mut World) {
+    level(world, 20_000);
+    let cube = mesh(world, &shapes::cube(1.0));
+    let spawn = move |mut commands: Commands, mut last: Local<Option<Entity>>| {
+        if let Some(last) = last.take() {
+            commands.entity(last).despawn();
+        }
+        let place = Transform::from_xyz(0.0, 500.0, 0.0);
+        *last = Some(commands.spawn((RigidBody::Dynamic, cube.clone(), place)).id());
+    };
+    world.resource_mut::<Schedules>().add_systems(FixedUpdate, spawn);
 }
 
 /// A ball of 1,280 triangles with a diameter of 0.5 m.

@@ -9,6 +9,7 @@ pub(crate) use wide::WideSearch;
 use crate::parallel::loops;
 use crate::state::Bodies;
 use crate::state::crowd::Crowd;
+use crate::state::revision::Revision;
 use crate::types::body::RigidBody;
 use counting_sort::CountingSort;
 use grid::{Grid, Level};
@@ -23,6 +24,8 @@ pub(crate) struct Scratch {
     moving_grid: Grid,
     /// Static bodies. Rebuilt only when one of them changes.
     static_grid: Grid,
+    /// The state of the static bodies in their grid, and the margin of their radii.
+    in_grid: (Revision, Option<f32>),
     members: Vec<u32>,
     found: Vec<Finder>,
     unsorted: Vec<[u32; 2]>,
@@ -37,6 +40,9 @@ const MAX_STATIC_FILLS: usize = 12;
 /// Bodies per task.
 const TASK: usize = 512;
 
+/// With fewer pairs than one for so many bodies, sorting by comparison takes less time than counting.
+const FEW: usize = 16;
+
 /// A body searches several levels of two grids. In a crowd about so many of these searches end early.
 const SEARCHES: usize = 4;
 
@@ -47,6 +53,7 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     let Scratch {
         moving_grid,
         static_grid,
+        in_grid,
         members,
         found,
         unsorted,
@@ -65,12 +72,15 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     // A body that saved impulses or forces beyond all measure have thrown out of the numbers within this step. It has no
     // pairs; the next step rejects it.
     let is_sound = |i: usize| center[i].is_finite() && speculative_radius[i].is_finite();
-    members.extend(all.clone().filter(|&i| !is_static(i as usize) && is_sound(i as usize)));
+    members.extend(bodies.movers().filter(|&i| is_sound(i)).map(|i| i as u32));
     moving_grid.fill(members, center, speculative_radius);
     if moving_grid.is_overfull() {
         moving_grid.fill(members, center, speculative_radius);
     }
-    if !static_grid.holds(kind.len() - members.len(), is_static, center, speculative_radius) {
+    let is_known = in_grid.0.is(bodies.revision) && in_grid.1 == bodies.static_margin;
+    *in_grid = (bodies.revision, bodies.static_margin);
+    let count = kind.len() - bodies.movers().count();
+    if !is_known && !static_grid.holds(count, is_static, center, speculative_radius) {
         members.clear();
         members.extend(all.clone().filter(|&i| is_static(i as usize)));
         for _ in 0..MAX_STATIC_FILLS {
@@ -81,7 +91,7 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     }
 
     let tasks = moving_grid.ids.len().div_ceil(TASK);
-    let all_tasks = tasks + static_grid.ids.len().div_ceil(TASK);
+    let all_tasks = tasks + static_tasks(static_grid, moving_grid);
     if found.len() < all_tasks {
         found.resize_with(all_tasks, Finder::default);
     }
@@ -120,12 +130,27 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         unsorted.extend_from_slice(&finder.found);
         crowded.extend_from_slice(&finder.crowded);
     }
+    if unsorted.len() * FEW <= bodies.center.len() {
+        unsorted.sort_unstable();
+        std::mem::swap(sphere_pairs, unsorted);
+        return Crowd::of(crowded);
+    }
     firsts.clear();
     firsts.extend(unsorted.iter().map(|pair| pair[0]));
     sort.sort(bodies.center.len(), firsts);
     loops::collect(sort.order().map(|at| unsorted[at as usize]), TASK, sphere_pairs);
     loops::sort_runs(sphere_pairs, |pair| pair[0]);
     Crowd::of(crowded)
+}
+
+/// Number of tasks in which static bodies search for moving ones of coarser levels.
+fn static_tasks(static_grid: &Grid, moving_grid: &Grid) -> usize {
+    let coarsest = moving_grid.levels.last().map_or(0, |level| level.number);
+    let mut searching = static_grid.levels.iter().filter(|level| level.number < coarsest);
+    match searching.next() {
+        Some(_) => static_grid.ids.len().div_ceil(TASK),
+        None => 0,
+    }
 }
 
 /// Searches the grids of moving and of static bodies, and returns the number of pairs, or a number above the limit.

@@ -85,12 +85,13 @@ impl Ccd {
         } = self;
         impacts.clear();
         let is_flagged = |i: u32| bodies.params[i as usize].continuous;
-        if !(0..bodies.len() as u32).any(is_flagged) {
+        if !pairs.iter().flatten().any(|&i| is_flagged(i)) {
             return;
         }
         continuous.clear();
-        continuous
-            .extend((0..bodies.len() as u32).map(|i| is_flagged(i) && solver_bodies.bodies[i as usize].has_mass()));
+        continuous.resize(bodies.len(), false);
+        let flagged = bodies.movers().filter(|&i| bodies.params[i].continuous);
+        flagged.for_each(|i| continuous[i] = solver_bodies.bodies[i].has_mass());
         let body_of = |i: u32| bodies.body_of(i);
         let solid = |&i: &u32| solver_bodies.bodies[i as usize].solid;
         sensor_pairs.clear();

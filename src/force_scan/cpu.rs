@@ -7,7 +7,6 @@ use crate::sleep::cpu::{Sleeper, wake_on_changed_support};
 use crate::solver::{Pace, Solver, SolverBodies, WarmStart};
 use crate::state::inactive::InactiveBodies;
 use crate::state::{Bodies, Contacts, Impulse, Manifolds, Plane, StepConfig};
-use crate::types::body::RigidBody;
 use crate::types::settings::Response;
 use crate::types::solver_settings::SolverSettings;
 
@@ -133,5 +132,5 @@ pub(crate) fn fall_asleep(
     inactive: &mut InactiveBodies,
 ) {
     sleeper.settle_each(bodies, manifolds, settings, |i| colliders.travel_time_of(i));
-    inactive.keep_only(|i| bodies.sleep[i].asleep || bodies.bodies[i].kind == RigidBody::Static);
+    inactive.keep_only(bodies.movers(), |i| bodies.sleep[i].asleep);
 }

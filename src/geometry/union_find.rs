@@ -21,6 +21,12 @@ impl UnionFind {
         self.parents.extend(0..count as u32);
     }
 
+    /// Makes sets of one number each of these `members`, which are below `count`. No others may be asked for.
+    pub fn reset_members(&mut self, count: usize, members: impl Iterator<Item = usize>) {
+        self.parents.resize(count, 0);
+        members.for_each(|i| self.parents[i] = i as u32);
+    }
+
     /// Joins the sets of two numbers.
     pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));

@@ -1,12 +1,14 @@
 //! Results of the last step: [`Collisions`] and [`StepReport`].
 
 use crate::manifolds::{ManifoldPoint, Manifolds};
+use crate::plugin::sync::Rows;
 use crate::plugin::sync::order::Numbers;
 use crate::state::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 use crate::types::gpu_work::GpuWork;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use std::fmt;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// All pairs that touched in the last step: pairs of colliders of different bodies, and colliders with planes.
@@ -25,12 +27,9 @@ use std::time::Duration;
 #[derive(Resource, Reflect, Debug, Default)]
 #[reflect(Resource, Default, Debug)]
 pub struct Collisions {
-    /// Entity of each collider.
+    /// The colliders and their bodies.
     #[reflect(ignore)]
-    pub(crate) entities: Numbers,
-    /// The body of each collider.
-    #[reflect(ignore)]
-    pub(crate) bodies: Vec<Entity>,
+    pub(crate) rows: Arc<Rows>,
     /// Entity of each plane. In manifolds, planes are numbered after the colliders.
     #[reflect(ignore)]
     pub(crate) planes: Numbers,
@@ -108,7 +107,7 @@ impl Collisions {
     /// [`Collisions::of`].
     pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
         let find = |numbers: &Numbers, entity| numbers.number_of(entity).map(|i| i as u32);
-        let body = |entity| find(&self.entities, entity);
+        let body = |entity| find(&self.rows.entities, entity);
         match (body(one), body(other)) {
             (Some(i), Some(j)) => {
                 let key = [i.min(j), i.max(j)];
@@ -135,13 +134,13 @@ impl Collisions {
     /// The body of a collider; `None` for planes.
     #[cfg(any(feature = "debug_gizmos", feature = "debug_panel"))]
     pub(crate) fn body_of(&self, collider: Entity) -> Option<Entity> {
-        let at = self.entities.binary_search(&collider).ok()?;
-        Some(self.bodies[at])
+        let at = self.rows.entities.binary_search(&collider).ok()?;
+        Some(self.rows.bodies[at])
     }
 
     fn collision<'a>(&'a self, pair: &PairContact) -> Collision<'a> {
-        let [collider1, collider2] = pair.bodies.map(|i| self.entities[i as usize]);
-        let [body1, body2] = pair.bodies.map(|i| self.bodies[i as usize]);
+        let [collider1, collider2] = pair.bodies.map(|i| self.rows.entities[i as usize]);
+        let [body1, body2] = pair.bodies.map(|i| self.rows.bodies[i as usize]);
         Collision {
             collider1,
             collider2,
@@ -159,9 +158,9 @@ impl Collisions {
     fn on_plane<'a>(&'a self, contact: &PlaneContact) -> Collision<'a> {
         let plane = self.planes[contact.plane as usize];
         Collision {
-            collider1: self.entities[contact.body as usize],
+            collider1: self.rows.entities[contact.body as usize],
             collider2: plane,
-            body1: self.bodies[contact.body as usize],
+            body1: self.rows.bodies[contact.body as usize],
             body2: plane,
             contained: false,
             contact: Contact {
@@ -207,10 +206,10 @@ impl Collisions {
     ///   steps old, and contacts are solved too late.
     pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
         let entity = |i: u32| {
-            let bodies = self.entities.len();
+            let bodies = self.rows.entities.len();
             let i = i as usize;
             if i < bodies {
-                self.entities[i]
+                self.rows.entities[i]
             } else {
                 self.planes[i - bodies]
             }
@@ -231,6 +230,9 @@ pub struct StepReport {
     pub step: u64,
     /// Number of bodies in the step.
     pub bodies: usize,
+    /// Colliders whose components the step has read: all of them, or only those of bodies that move, if nothing else has
+    /// changed since the last step.
+    pub colliders_read: usize,
     /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, the GPU's own time on a GPU. Zero on a GPU
     /// without timestamp queries.
     pub stages: [Duration; Stage::COUNT],
@@ -295,6 +297,7 @@ impl fmt::Debug for StepReport {
         let Self {
             step,
             bodies,
+            colliders_read,
             stages: _,
             total,
             sphere_pairs,
@@ -320,6 +323,7 @@ impl fmt::Debug for StepReport {
         f.debug_struct("StepReport")
             .field("step", step)
             .field("bodies", bodies)
+            .field("colliders_read", colliders_read)
             .field("stages", &stages)
             .field("total", total)
             .field("sphere_pairs", sphere_pairs)

@@ -68,17 +68,15 @@ impl Sleeper {
         gravity: Vec3,
         dt: impl Fn(u32) -> f32,
     ) {
-        if !bodies.sleep.iter().any(|s| s.asleep) {
+        if !bodies.movers().any(|i| bodies.sleep[i].asleep) {
             return;
         }
         if !settings.sleeping {
-            for sleep in &mut bodies.sleep {
-                *sleep = Default::default();
-            }
+            bodies.for_each_mover(|bodies, i| bodies.sleep[i] = Default::default());
             return;
         }
         self.find_islands(bodies, manifolds, settings);
-        for i in 0..bodies.len() {
+        for i in bodies.movers() {
             let (body, motion, sleep) = (&bodies.bodies[i], &bodies.motions[i], &bodies.sleep[i]);
             let disturbed = if sleep.asleep {
                 speed(body, motion) != 0.0
@@ -94,12 +92,13 @@ impl Sleeper {
             }
         }
         self.mark_approached(bodies, manifolds, settings, gravity, dt);
-        for i in 0..bodies.len() {
-            let root = self.islands.root(i as u32);
-            if bodies.sleep[i].asleep && self.awake[root as usize] {
+        let Self { islands, awake, .. } = self;
+        bodies.for_each_mover(|bodies, i| {
+            let root = islands.root(i as u32);
+            if bodies.sleep[i].asleep && awake[root as usize] {
                 bodies.sleep[i] = Default::default();
             }
-        }
+        });
         bodies.share_sleep();
     }
 
@@ -125,10 +124,15 @@ impl Sleeper {
         if !settings.sleeping {
             return;
         }
-        let states = bodies.sleep.iter_mut().zip(&bodies.bodies).zip(&bodies.motions);
-        for (i, ((sleep, body), motion)) in states.enumerate() {
-            rest::advance(sleep, body, motion, dt(i), settings);
-        }
+        bodies.for_each_mover(|bodies, i| {
+            rest::advance(
+                &mut bodies.sleep[i],
+                &bodies.bodies[i],
+                &bodies.motions[i],
+                dt(i),
+                settings,
+            );
+        });
         for pair in &manifolds.pairs {
             if overlaps(bodies, manifolds, pair, settings) {
                 for i in pair.bodies.map(|i| bodies.body_of(i) as usize) {
@@ -141,11 +145,14 @@ impl Sleeper {
             let was_at_rest = sleep.rest_time > dt(i);
             sleep.asleep || (was_at_rest && sleep.rest_time >= settings.sleep_time && forces.is_zero())
         };
-        if !(0..bodies.len()).any(|i| bodies.bodies[i].has_mass() && !bodies.sleep[i].asleep && ready(bodies, i)) {
+        if !bodies
+            .movers()
+            .any(|i| bodies.bodies[i].has_mass() && !bodies.sleep[i].asleep && ready(bodies, i))
+        {
             return;
         }
         self.find_islands(bodies, manifolds, settings);
-        for i in 0..bodies.len() {
+        for i in bodies.movers() {
             let body = &bodies.bodies[i];
             let floats = || self.neighbours[i] == 0 && rest::floats(&bodies.sleep[i], body);
             if body.kind == RigidBody::Dynamic && (!ready(bodies, i) || floats()) {
@@ -154,28 +161,34 @@ impl Sleeper {
             }
         }
         self.mark_driven(bodies, manifolds, settings);
-        for i in 0..bodies.len() {
-            let root = self.islands.root(i as u32);
-            let at_rest = !self.awake[root as usize];
+        let Self {
+            islands,
+            awake,
+            neighbours,
+        } = self;
+        bodies.for_each_mover(|bodies, i| {
+            let root = islands.root(i as u32);
+            let at_rest = !awake[root as usize];
             if at_rest && bodies.bodies[i].has_mass() && !bodies.sleep[i].asleep {
                 let sleep = &mut bodies.sleep[i];
                 sleep.asleep = true;
-                sleep.neighbours = self.neighbours[i];
+                sleep.neighbours = neighbours[i];
                 bodies.motions[i].linear_velocity = Vec3::ZERO;
                 bodies.motions[i].angular_velocity = Vec3::ZERO;
             }
-        }
+        });
         bodies.share_sleep();
     }
 
     /// Joins dynamic bodies that touch into islands, and sums the hashes of the bodies that each body touches.
     fn find_islands(&mut self, bodies: &SolverBodies, manifolds: &Manifolds, settings: &SolverSettings) {
         let count = bodies.len();
-        self.islands.reset(count);
-        self.neighbours.clear();
+        self.islands.reset_members(count, bodies.movers());
         self.neighbours.resize(count, 0);
-        self.awake.clear();
         self.awake.resize(count, false);
+        bodies
+            .movers()
+            .for_each(|i| (self.neighbours[i], self.awake[i]) = (0, false));
         for pair in &manifolds.pairs {
             if !touches(bodies, manifolds, pair, settings) {
                 continue;
@@ -246,7 +259,7 @@ impl Sleeper {
     fn mark_other(&mut self, bodies: &SolverBodies, pair: &Manifold, disturbs: impl Fn(&SolverBodies, usize) -> bool) {
         let [a, b] = pair.bodies.map(|i| bodies.body_of(i));
         for (one, other) in [(a, b), (b, a)] {
-            if disturbs(bodies, one as usize) {
+            if bodies.bodies[other as usize].moves() && disturbs(bodies, one as usize) {
                 let root = self.islands.root(other);
                 self.awake[root as usize] = true;
             }

@@ -1,10 +1,11 @@
 //! Conversion between the bodies of a step and those of the solver.
 
 use super::bodies::SolverPart;
-use super::bodies::{SolverBodies, SolverBody, SolverMotion};
+use super::bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
 use crate::state::bodies::MAX_ACCELERATION;
 use crate::state::fault::MAX_SPEED;
 use crate::state::mesh_arena::MeshArena;
+use crate::state::revision::Revision;
 use crate::state::{Bodies, Compound, Plane};
 use crate::types::body::{ExternalForces, RigidBody};
 use glam::{DMat3, Mat3};
@@ -19,16 +20,36 @@ impl SolverBodies {
     /// # Panics
     /// If there are fewer `keys` than bodies.
     pub fn read(&mut self, bodies: &Bodies, planes: &[Plane], keys: &[u64]) {
-        self.clear();
-        for (i, &key) in keys[..bodies.len()].iter().enumerate() {
-            let number = self.push(key, collider_of(bodies, i), collider_motion(bodies, i));
-            self.forces[number as usize] = bodies.params[i].forces;
+        if self.revision.is(bodies.revision) {
+            self.truncate(bodies.len());
+            self.parts.clear();
+            for i in bodies.movers() {
+                self.bodies[i] = collider_of(bodies, i);
+                self.motions[i] = collider_motion(bodies, i);
+                self.forces[i] = bodies.params[i].forces;
+                self.sleep[i] = SleepState::default();
+            }
+        } else {
+            self.clear();
+            for (i, &key) in keys[..bodies.len()].iter().enumerate() {
+                let number = self.push(key, collider_of(bodies, i), collider_motion(bodies, i));
+                self.forces[number as usize] = bodies.params[i].forces;
+            }
         }
         self.read_compounds(bodies);
-        for (forces, body) in self.forces.iter_mut().zip(&self.bodies) {
+        for i in bodies.movers() {
+            let (forces, body) = (&mut self.forces[i], &self.bodies[i]);
             if !forces.is_zero() {
                 *forces = forces.bounded(body.inverse_mass, &body.inverse_inertia, MAX_ACCELERATION);
             }
+        }
+        if bodies.revision.is_known() && !self.revision.is(bodies.revision) {
+            self.moving.clear();
+            self.moving.extend_from_slice(&bodies.moving);
+            self.revision = Revision::UNKNOWN;
+            self.statics = self.statics();
+            self.colliders = self.len();
+            self.revision = bodies.revision;
         }
         for (i, plane) in planes.iter().enumerate() {
             let body = SolverBody {
@@ -81,17 +102,18 @@ impl SolverBodies {
         }
         bodies.place_parts(0..bodies.parts.len());
         let mut parts = self.parts.iter().peekable();
-        for i in 0..bodies.len() {
-            if parts.next_if(|part| part.collider == i as u32).is_some() {
-                continue;
+        bodies.for_each_mover(|bodies, i| {
+            while parts.next_if(|part| part.collider < i as u32).is_some() {}
+            if parts.peek().is_some_and(|part| part.collider == i as u32) {
+                return;
             }
             let motion = &self.motions[i];
             bodies.linear_velocity[i] = motion.linear_velocity;
             bodies.angular_velocity[i] = motion.angular_velocity;
             let before = &bodies.frame[i];
             let rotated = motion.rotation != bodies.rotation[i].as_dquat().normalize();
-            if bodies.kind[i] == RigidBody::Static || (motion.center == before.center && !rotated) {
-                continue;
+            if motion.center == before.center && !rotated {
+                return;
             }
             let frame = &mut bodies.frame[i];
             let local_center = frame.scale * meshes[bodies.mesh[i]].mesh.mass.center.as_dvec3();
@@ -103,7 +125,16 @@ impl SolverBodies {
             if rotated {
                 bodies.rotation[i] = motion.rotation.as_quat();
             }
-        }
+        });
+    }
+
+    /// Removes all from this number on.
+    fn truncate(&mut self, count: usize) {
+        self.keys.truncate(count);
+        self.bodies.truncate(count);
+        self.motions.truncate(count);
+        self.forces.truncate(count);
+        self.sleep.truncate(count);
     }
 }
 

@@ -4,6 +4,7 @@
 //! sleep state are in that entry. Manifolds name colliders.
 
 use crate::state::part_index::PartIndex;
+use crate::state::revision::Revision;
 use crate::types::body::{ExternalForces, LockedAxes, RigidBody};
 use crate::types::material::CombineRule;
 use glam::{DQuat, DVec3, Mat3, Vec3};
@@ -202,7 +203,7 @@ pub(crate) struct SolverPart {
     pub offset: DVec3,
 }
 
-/// All bodies; one entry per collider in every array but the last two.
+/// All bodies; one entry per collider in every array up to `sleep`.
 #[derive(Clone, Debug, Default)]
 pub struct SolverBodies {
     /// Unique key of each collider, the same in every step: an entity's bits, for example. Numbers of bodies may change
@@ -220,6 +221,43 @@ pub struct SolverBodies {
     pub(crate) parts: Vec<SolverPart>,
     /// Finds a collider among `parts`.
     pub(super) part_index: PartIndex,
+    /// Those that are not static, ascending, where `revision` is known.
+    pub(super) moving: Vec<u32>,
+    /// What there is of static colliders, where `revision` is known.
+    pub(super) statics: Statics,
+    /// Number of colliders, where `revision` is known. Planes follow.
+    pub(super) colliders: usize,
+    /// The state of the static bodies.
+    pub(super) revision: Revision,
+}
+
+/// What there is of static bodies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Statics {
+    pub any: bool,
+    pub solid: bool,
+    /// The thickness of the thinnest solid one, metres.
+    pub thinnest: f32,
+}
+
+impl Default for Statics {
+    fn default() -> Self {
+        Self {
+            any: false,
+            solid: false,
+            thinnest: f32::INFINITY,
+        }
+    }
+}
+
+impl Statics {
+    pub fn include(&mut self, body: &SolverBody) {
+        self.any = true;
+        if body.solid {
+            self.solid = true;
+            self.thinnest = self.thinnest.min(body.thickness);
+        }
+    }
 }
 
 impl SolverBodies {
@@ -251,7 +289,15 @@ impl SolverBodies {
             sleep,
             parts,
             part_index,
+            moving,
+            statics,
+            colliders,
+            revision,
         } = self;
+        moving.clear();
+        *colliders = 0;
+        *statics = Statics::default();
+        *revision = Revision::UNKNOWN;
         keys.clear();
         bodies.clear();
         motions.clear();
@@ -259,6 +305,47 @@ impl SolverBodies {
         sleep.clear();
         parts.clear();
         part_index.clear();
+    }
+
+    /// The numbers of those that are not static, ascending.
+    pub(crate) fn movers(&self) -> impl Iterator<Item = usize> + Clone + '_ {
+        let (listed, all) = match self.revision.is_known() {
+            true => (&self.moving[..], 0..0),
+            false => (&[][..], 0..self.len()),
+        };
+        let moves = |&i: &usize| self.bodies[i].moves();
+        listed.iter().map(|&i| i as usize).chain(all.filter(moves))
+    }
+
+    /// Calls `f` with the number of each that is not static, ascending.
+    pub(crate) fn for_each_mover(&mut self, mut f: impl FnMut(&mut Self, usize)) {
+        if self.revision.is_known() {
+            let moving = std::mem::take(&mut self.moving);
+            moving.iter().for_each(|&i| f(self, i as usize));
+            self.moving = moving;
+            return;
+        }
+        for i in 0..self.len() {
+            if self.bodies[i].moves() {
+                f(self, i);
+            }
+        }
+    }
+
+    /// The state of the static bodies.
+    pub(crate) fn revision(&self) -> Revision {
+        self.revision
+    }
+
+    /// What there is of static bodies.
+    pub(super) fn statics(&self) -> Statics {
+        let (mut statics, rest) = match self.revision.is_known() {
+            true => (self.statics, &self.bodies[self.colliders..]),
+            false => (Statics::default(), &self.bodies[..]),
+        };
+        let fixed = rest.iter().filter(|body| !body.moves());
+        fixed.for_each(|body| statics.include(body));
+        statics
     }
 
     /// The number of the body of a collider.

@@ -106,7 +106,7 @@ impl Constraints {
             let pair = manifold.bodies.map(|collider| bodies.body_of(collider));
             pair.into_iter().any(is_movable).then_some(pair)
         }));
-        self.islands.build(mobility, paces, &self.solved);
+        self.islands.build(bodies.movers(), mobility, paces, &self.solved);
         self.states.resize(self.islands.bodies.len());
         self.add_batches(manifolds);
         self.add_pairs(manifolds);
@@ -172,12 +172,12 @@ impl Constraints {
 
     /// Writes the new poses and velocities to `bodies`, and clears the external impulses that were applied.
     pub fn write_back(&self, bodies: &mut SolverBodies, mobility: &[Mobility]) {
-        for (forces, sleep) in bodies.forces.iter_mut().zip(&bodies.sleep) {
-            if !sleep.asleep {
-                forces.impulse = Vec3::ZERO;
-                forces.angular_impulse = Vec3::ZERO;
+        bodies.for_each_mover(|bodies, i| {
+            if !bodies.sleep[i].asleep {
+                bodies.forces[i].impulse = Vec3::ZERO;
+                bodies.forces[i].angular_impulse = Vec3::ZERO;
             }
-        }
+        });
         for (slot, &body) in self.islands.bodies.iter().enumerate() {
             let is_own = match mobility[body as usize] {
                 Mobility::Fixed => false,

@@ -12,9 +12,7 @@ use glam::Vec3;
 
 /// Applies the external impulses of all bodies, and clears them.
 pub fn apply_impulses(bodies: &mut Bodies) {
-    for i in 0..bodies.len() {
-        apply_impulses_of(bodies, i, true);
-    }
+    bodies.for_each_mover(|bodies, i| _ = apply_impulses_of(bodies, i, true));
 }
 
 /// Applies the external impulses of the body with the number `i`, and clears them; its angular impulse stays for the solver

@@ -82,20 +82,25 @@ struct Size {
 }
 
 impl Islands {
-    /// Sorts bodies and pairs into islands. `pairs` has the two bodies of every pair that is to be solved, and `None`
+    /// Sorts bodies and pairs into islands. `movers` are all bodies that are not static, ascending; `pairs` has the two bodies of every pair that is to be solved, and `None`
     /// for others. Impulses must change the velocity of at least one of the two.
     ///
     /// Islands of the same pace follow each other, those with more pairs first.
-    pub fn build(&mut self, mobility: &[Mobility], paces: &[Pace], pairs: &[Option<[u32; 2]>]) {
+    pub fn build(
+        &mut self,
+        movers: impl Iterator<Item = usize> + Clone,
+        mobility: &[Mobility],
+        paces: &[Pace],
+        pairs: &[Option<[u32; 2]>],
+    ) {
         let is_movable = |body: u32| mobility[body as usize].has_impulses();
         let numbered = || {
             (0u32..)
                 .zip(pairs)
                 .filter_map(|(number, pair)| Some((number, (*pair)?)))
         };
-        let trees = self
-            .trees
-            .join(mobility.len(), numbered().map(|(_, pair)| pair), is_movable);
+        self.trees.reset(mobility.len(), movers.clone());
+        let trees = self.trees.join(numbered().map(|(_, pair)| pair), is_movable);
         self.sizes.clear();
         self.sizes.resize(
             trees as usize,
@@ -119,7 +124,7 @@ impl Islands {
         }
         self.sorted_pairs.sort_unstable();
         self.sorted_bodies.clear();
-        for body in (0..mobility.len() as u32).filter(|&body| is_movable(body)) {
+        for body in movers.clone().map(|i| i as u32).filter(|&body| is_movable(body)) {
             let tree = self.trees.number_if_any(body);
             let island = tree.map(|tree| self.places[tree as usize]);
             self.sorted_bodies
@@ -127,11 +132,15 @@ impl Islands {
         }
         self.sorted_bodies.sort_unstable();
 
+        if self.slots.len() == mobility.len() {
+            self.bodies.iter().for_each(|&body| self.slots[body as usize] = NONE);
+        } else {
+            self.slots.clear();
+            self.slots.resize(mobility.len(), NONE);
+        }
         self.list.clear();
         self.bodies.clear();
         self.pairs.clear();
-        self.slots.clear();
-        self.slots.resize(mobility.len(), NONE);
         let mut bodies = 0;
         let mut first = 0;
         while first < self.sorted_pairs.len() {
@@ -152,7 +161,7 @@ impl Islands {
             }
             self.list.push(start.ending_at(self.bodies.len(), self.pairs.len()));
         }
-        self.add_free_bodies(mobility, paces);
+        self.add_free_bodies(movers, mobility, paces);
     }
 
     /// Sorts the trees with pairs by pace and by their number of pairs.
@@ -195,7 +204,7 @@ impl Islands {
 
     /// Adds islands without pairs for the bodies that move and are in no other island. The bodies of each have the same
     /// pace.
-    fn add_free_bodies(&mut self, mobility: &[Mobility], paces: &[Pace]) {
+    fn add_free_bodies(&mut self, movers: impl Iterator<Item = usize>, mobility: &[Mobility], paces: &[Pace]) {
         let first = self.bodies.len();
         self.first_free = first;
         let slots = &self.slots;
@@ -205,7 +214,7 @@ impl Islands {
             Mobility::Moving => true,
             Mobility::Movable => slots[*body as usize] == NONE,
         };
-        self.bodies.extend((0..mobility.len() as u32).filter(is_free));
+        self.bodies.extend(movers.map(|i| i as u32).filter(is_free));
         let free = &mut self.bodies[first..];
         let pace_of = |body: u32| paces[body as usize];
         free.sort_unstable_by_key(|&body| (pace_of(body).key(), body));
@@ -240,16 +249,15 @@ struct Trees {
 }
 
 impl Trees {
-    /// Joins the movable bodies of each pair, numbers the trees in the order of pairs, and returns how many there are.
-    fn join(
-        &mut self,
-        bodies: usize,
-        pairs: impl Iterator<Item = [u32; 2]> + Clone,
-        is_movable: impl Fn(u32) -> bool,
-    ) -> u32 {
-        self.sets.reset(bodies);
-        self.numbers.clear();
+    /// Makes each of the `members` of so many bodies a tree of its own. The pairs may have movable bodies among these only.
+    fn reset(&mut self, bodies: usize, members: impl Iterator<Item = usize> + Clone) {
+        self.sets.reset_members(bodies, members.clone());
         self.numbers.resize(bodies, NONE);
+        members.for_each(|i| self.numbers[i] = NONE);
+    }
+
+    /// Joins the movable bodies of each pair, numbers the trees in the order of pairs, and returns how many there are.
+    fn join(&mut self, pairs: impl Iterator<Item = [u32; 2]> + Clone, is_movable: impl Fn(u32) -> bool) -> u32 {
         for [a, b] in pairs.clone().filter(|pair| pair.iter().all(|&body| is_movable(body))) {
             self.sets.join(a, b);
         }

@@ -92,6 +92,7 @@ pub(crate) use impulses::apply_impulses_of;
 pub use pace::Pace;
 pub use warm_start::WarmStart;
 
+use crate::state::revision::Revision;
 use crate::state::{Manifolds, StepConfig};
 use crate::types::solver_settings::SolverSettings;
 use constraints::Constraints;
@@ -136,6 +137,8 @@ pub struct Solver {
     /// Of each body.
     mobility: Vec<Mobility>,
     paces: Vec<Pace>,
+    /// The state of the static bodies in these lists.
+    revision: Revision,
     /// The saved impulses are built here.
     saved: WarmStart,
 }
@@ -181,16 +184,24 @@ impl Solver {
             constraints,
             mobility,
             paces,
+            revision,
             saved,
         } = self;
-        paces.clear();
-        paces.extend((0..bodies.len()).map(pace_of));
         let is_valid = |pace: &Pace| pace.dt >= 0.0 && pace.dt.is_finite();
-        if !(paces.iter().all(is_valid) && gravity.is_finite()) {
+        if !(bodies.movers().all(|i| is_valid(&pace_of(i))) && gravity.is_finite()) {
             return;
         }
-        mobility.clear();
-        mobility.extend((0..bodies.len()).map(|body| motion::mobility(bodies, body, paces[body])));
+        if !revision.is(bodies.revision()) || paces.len() != bodies.len() {
+            paces.clear();
+            paces.resize(bodies.len(), Pace::DONE);
+            mobility.clear();
+            mobility.resize(bodies.len(), Mobility::Fixed);
+            *revision = bodies.revision();
+        }
+        for i in bodies.movers() {
+            paces[i] = pace_of(i);
+            mobility[i] = motion::mobility(bodies, i, paces[i]);
+        }
         constraints.begin(bodies, mobility, paces, manifolds, warm);
         let source = Source {
             bodies,

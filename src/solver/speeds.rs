@@ -47,11 +47,15 @@ impl Speeds {
     /// continuous collision detection are left out, because they need no collision substeps.
     pub fn of(bodies: &SolverBodies, dt: f32, skip: impl Fn(usize) -> bool) -> Self {
         let mut speeds = Self::NONE;
-        for i in (0..bodies.len()).filter(|&i| !skip(i)) {
+        for i in bodies.movers().filter(|&i| !skip(i)) {
             speeds.include(bodies, i, dt);
         }
+        let statics = bodies.statics();
+        if statics.solid {
+            speeds.add(Vec3::ZERO);
+        }
         // A static sensor counts as well: speeds of bodies that pass it are relative to it.
-        speeds.has_static = bodies.bodies.iter().any(|body| !body.moves());
+        speeds.has_static = statics.any;
         speeds
     }
 
@@ -155,8 +159,10 @@ impl Speeds {
     /// [`SolverSettings::max_collision_substeps`]: enough that in each of them no two surfaces move farther relative to
     /// each other than [`SolverSettings::collision_substep_travel`] of the thinnest body.
     pub fn collision_substeps(&self, settings: &SolverSettings, bodies: &SolverBodies, dt: f32) -> u32 {
-        let solid = bodies.bodies.iter().filter(|body| body.solid);
-        let thinnest = solid.map(|body| body.thickness).fold(f32::INFINITY, f32::min);
+        let solid = bodies.movers().map(|i| &bodies.bodies[i]).filter(|body| body.solid);
+        let thinnest = solid
+            .map(|body| body.thickness)
+            .fold(bodies.statics().thinnest, f32::min);
         self.collision_substeps_for(settings, thinnest, dt)
     }
 

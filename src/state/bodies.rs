@@ -10,14 +10,16 @@ use super::compound::{Compound, Part};
 use super::fault::{BodyFault, MAX_GRAVITY_SCALE, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
 use super::part_index::PartIndex;
+use super::revision::Revision;
 use crate::asset::CollisionMesh;
 use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
 use crate::types::settings::Culling;
 use glam::{BVec3, DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
+use std::borrow::Cow;
 
-/// One entry per collider in every array but the last three.
+/// One entry per collider in every array up to `params`.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies {
     /// Number of the body: that of its first collider.
@@ -48,7 +50,7 @@ pub struct Bodies {
     pub thickness: Vec<f32>,
     /// Radius that the broad phase uses: the bounding radius plus the body's speculative margin, metres.
     pub speculative_radius: Vec<f32>,
-    /// Time until the next collision substep, seconds; 0 once the body has completed its step.
+    /// Time until the next collision substep, seconds; 0 once the body has completed its step, and for what is static.
     pub travel_time: Vec<f32>,
     /// Of the body, 1/kg; 0 for bodies that contacts cannot move.
     pub inverse_mass: Vec<f32>,
@@ -77,6 +79,46 @@ pub struct Bodies {
     pub parts: Vec<Part>,
     /// Finds a collider among `parts`.
     pub(crate) part_index: PartIndex,
+    /// The colliders that are not static, ascending, if they have been listed.
+    pub(crate) moving: Vec<u32>,
+    pub(crate) is_listed: bool,
+    /// What some static one has, if they have been listed.
+    pub(crate) of_static: Flags,
+    /// The state of the others; see [`Bodies::keep_static`].
+    pub(crate) revision: Revision,
+    /// The contact margin with which their speculative radii were set; see
+    /// [`SpeculativeMargins`](super::margins::SpeculativeMargins).
+    pub(crate) static_margin: Option<f32>,
+}
+
+/// What some collider of several has.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Flags {
+    /// Continuous collision detection.
+    pub continuous: bool,
+    /// A hook that filters pairs.
+    pub filters: bool,
+    /// A hook that modifies contacts.
+    pub modifies: bool,
+}
+
+impl Flags {
+    fn of<'a>(mut all: impl Iterator<Item = &'a BodyParams>) -> Self {
+        let flags = |params: &BodyParams| Self {
+            continuous: params.continuous,
+            filters: params.hooks.filter_pairs,
+            modifies: params.hooks.modify_contacts,
+        };
+        all.by_ref().map(flags).fold(Self::default(), Self::or)
+    }
+
+    fn or(self, other: Self) -> Self {
+        Self {
+            continuous: self.continuous | other.continuous,
+            filters: self.filters | other.filters,
+            modifies: self.modifies | other.modifies,
+        }
+    }
 }
 
 /// A collider's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
@@ -140,6 +182,11 @@ impl Bodies {
             compounds,
             parts,
             part_index,
+            moving,
+            is_listed,
+            of_static,
+            revision,
+            static_margin,
         } = self;
         body.clear();
         mesh.clear();
@@ -169,6 +216,78 @@ impl Bodies {
         compounds.clear();
         parts.clear();
         part_index.clear();
+        moving.clear();
+        *is_listed = false;
+        *of_static = Flags::default();
+        *revision = Revision::UNKNOWN;
+        *static_margin = None;
+    }
+
+    /// Names the present state of the static colliders. Until [`Bodies::clear`] nothing about them may change, so that steps do
+    /// nothing for them.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn keep_static(&mut self) {
+        self.revision = Revision::UNKNOWN;
+        self.list_movers();
+        self.revision = Revision::new();
+    }
+
+    /// Lists the colliders that are not static, at the beginning of a step, unless they are known to be those of the last one.
+    pub(crate) fn list_movers(&mut self) {
+        if !self.revision.is_known() {
+            let moves = |&i: &u32| self.kind[i as usize] != RigidBody::Static;
+            self.moving.clear();
+            self.moving.extend((0..self.kind.len() as u32).filter(moves));
+            self.is_listed = true;
+            self.static_margin = None;
+            let statics = self.params.iter().zip(&self.kind);
+            let statics = statics.filter(|(_, kind)| **kind == RigidBody::Static);
+            self.of_static = Flags::of(statics.map(|(params, _)| params));
+        }
+    }
+
+    /// The colliders that are not static, ascending.
+    pub(crate) fn movers(&self) -> impl Iterator<Item = usize> + Clone + '_ {
+        let (listed, all) = match self.is_listed {
+            true => (&self.moving[..], 0..0),
+            false => (&[][..], 0..self.kind.len()),
+        };
+        let moves = |&i: &usize| self.kind[i] != RigidBody::Static;
+        listed.iter().map(|&i| i as usize).chain(all.filter(moves))
+    }
+
+    /// Number of colliders that are not static, or of all if they have not been listed.
+    pub(crate) fn mover_count(&self) -> usize {
+        if self.is_listed { self.moving.len() } else { self.len() }
+    }
+
+    /// What some collider has.
+    pub(crate) fn flags(&self) -> Flags {
+        if !self.is_listed {
+            return Flags::of(self.params.iter());
+        }
+        let moving = Flags::of(self.moving.iter().map(|&i| &self.params[i as usize]));
+        moving.or(self.of_static)
+    }
+
+    /// The same as a list.
+    pub(crate) fn list_of_movers(&self) -> Cow<'_, [u32]> {
+        match self.is_listed {
+            true => Cow::Borrowed(&self.moving),
+            false => Cow::Owned(self.movers().map(|i| i as u32).collect()),
+        }
+    }
+
+    /// Calls `f` with each collider that is not static, ascending.
+    pub(crate) fn for_each_mover(&mut self, mut f: impl FnMut(&mut Self, usize)) {
+        let list = match self.is_listed {
+            true => std::mem::take(&mut self.moving),
+            false => self.list_of_movers().into_owned(),
+        };
+        list.iter().for_each(|&i| f(self, i as usize));
+        if self.is_listed {
+            self.moving = list;
+        }
     }
 
     /// [`Bodies::travel_time`] of a collider; 0 for planes, which are numbered after the colliders.
@@ -244,17 +363,28 @@ impl Bodies {
     /// until [`Bodies::join`](super::compound) joins it with others.
     pub fn push(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         check_body(body)?;
-        self.add(body, meshes, true)
+        self.put(self.len(), body, meshes, true)
+    }
+
+    /// Validates `body`, and writes it to the row of one that is a body by itself. Both move.
+    ///
+    /// # Errors
+    /// The first fault that it finds. Then nothing changes.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn set(&mut self, i: usize, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
+        check_body(body)?;
+        self.put(i, body, meshes, true)
     }
 
     /// The same for a collider that will be joined with others before the bodies are used. What it has from its body must
     /// be valid.
     pub fn push_part(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         check_collider(body)?;
-        self.add(body, meshes, false)
+        self.put(self.len(), body, meshes, false)
     }
 
-    fn add(&mut self, body: &Body, meshes: &MeshArena, has_inertia: bool) -> Result<(), BodyFault> {
+    /// Writes to row `i`, which may be the next one.
+    fn put(&mut self, i: usize, body: &Body, meshes: &MeshArena, has_inertia: bool) -> Result<(), BodyFault> {
         let slot = &meshes[body.mesh];
         let (rotation, scale, unpadded_radius) = check_pose(&slot.mesh, body.rotation.as_dquat(), body.scale)?;
 
@@ -282,34 +412,45 @@ impl Bodies {
             (DMat3::ZERO, DMat3::ZERO)
         };
 
-        self.body.push(self.body.len() as u32);
-        self.mesh.push(body.mesh);
-        self.kind.push(body.kind);
-        self.position.push(body.position);
-        self.rotation.push(unit(body.rotation));
-        self.scale.push(scale);
-        self.linear_velocity.push(body.linear_velocity);
-        self.angular_velocity.push(body.angular_velocity);
-        self.frame.push(frame);
-        self.center.push(center);
-        self.radius.push(radius);
-        self.unpadded_radius.push(unpadded_radius);
+        put(&mut self.body, i, i as u32);
+        put(&mut self.mesh, i, body.mesh);
+        put(&mut self.kind, i, body.kind);
+        put(&mut self.position, i, body.position);
+        put(&mut self.rotation, i, unit(body.rotation));
+        put(&mut self.scale, i, scale);
+        put(&mut self.linear_velocity, i, body.linear_velocity);
+        put(&mut self.angular_velocity, i, body.angular_velocity);
+        put(&mut self.frame, i, frame);
+        put(&mut self.center, i, center);
+        put(&mut self.radius, i, radius);
+        put(&mut self.unpadded_radius, i, unpadded_radius);
         let thickness = slot.mesh.mass.thickness * scale.abs().min_element();
-        self.thickness.push(thickness);
-        self.speculative_radius.push(radius);
-        self.travel_time.push(0.0);
-        self.inverse_mass.push(inverse_mass);
-        self.own_inverse_mass
-            .push(own_inverse_mass(body, &frame, &slot.mesh.mass));
-        self.local_inverse_inertia.push(own_inertia.as_mat3());
-        self.inverse_inertia.push(inverse_inertia.as_mat3());
-        self.restitution.push(body.restitution.clamp(0.0, 1.0));
-        self.gravity_scale.push(body.gravity_scale);
-        self.layers.push(body.layers);
-        self.sensor.push(body.sensor);
-        self.culling.push(body.culling);
-        self.params.push(body.params);
+        put(&mut self.thickness, i, thickness);
+        put(&mut self.speculative_radius, i, radius);
+        put(&mut self.travel_time, i, 0.0);
+        put(&mut self.inverse_mass, i, inverse_mass);
+        put(
+            &mut self.own_inverse_mass,
+            i,
+            own_inverse_mass(body, &frame, &slot.mesh.mass),
+        );
+        put(&mut self.local_inverse_inertia, i, own_inertia.as_mat3());
+        put(&mut self.inverse_inertia, i, inverse_inertia.as_mat3());
+        put(&mut self.restitution, i, body.restitution.clamp(0.0, 1.0));
+        put(&mut self.gravity_scale, i, body.gravity_scale);
+        put(&mut self.layers, i, body.layers);
+        put(&mut self.sensor, i, body.sensor);
+        put(&mut self.culling, i, body.culling);
+        put(&mut self.params, i, body.params);
         Ok(())
+    }
+}
+
+/// Writes an element of a list, or adds it at the end.
+fn put<T>(list: &mut Vec<T>, i: usize, value: T) {
+    match list.get_mut(i) {
+        Some(old) => *old = value,
+        None => list.push(value),
     }
 }
 

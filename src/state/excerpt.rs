@@ -57,7 +57,7 @@ impl Bodies {
             params: picked(&self.params, colliders),
             compounds,
             parts,
-            part_index: Default::default(),
+            ..Self::default()
         };
         excerpt.end_joins();
         excerpt

@@ -16,6 +16,8 @@ pub(crate) struct InactiveBodies {
     pub replaced: Vec<u32>,
     /// New index of each body of the last collision substep, or [`GONE`]; empty if all indices are unchanged.
     pub numbers: Vec<u32>,
+    /// Whether static bodies may be active.
+    has_active_static: bool,
 }
 
 impl InactiveBodies {
@@ -25,6 +27,19 @@ impl InactiveBodies {
         self.replaced.clear();
         self.numbers.clear();
         self.any = false;
+    }
+
+    /// Prepares for a step of `count` bodies and planes, of which none is inactive yet. Where the static ones are `unchanged` since
+    /// the last step they remain inactive.
+    pub fn begin(&mut self, count: usize, unchanged: bool) {
+        self.numbers.clear();
+        self.replaced.clear();
+        self.any = false;
+        if !unchanged {
+            self.flags.clear();
+        }
+        self.flags.resize(count, false);
+        self.has_active_static = !unchanged;
     }
 
     /// Whether nothing about a pair can have changed since the last collision substep: neither body can have moved.
@@ -41,25 +56,33 @@ impl InactiveBodies {
         (!pair.contains(&GONE)).then_some(pair)
     }
 
-    /// Bodies that are awake become active.
-    pub fn keep_only(&mut self, is_fixed_or_asleep: impl Fn(usize) -> bool) {
+    /// Those of the `movers`, which are all bodies that are not static, become active that are awake.
+    pub fn keep_only(&mut self, movers: impl Iterator<Item = usize>, is_asleep: impl Fn(usize) -> bool) {
         if self.any {
-            for (i, flag) in self.flags.iter_mut().enumerate() {
-                *flag &= is_fixed_or_asleep(i);
-            }
+            movers.for_each(|i| self.flags[i] &= is_asleep(i));
         }
     }
 
     /// Advances to the next collision substep of the same step, in which bodies keep their indices. What is fixed or has
-    /// completed its step becomes inactive.
-    pub fn advance(&mut self, has_completed: impl Fn(usize) -> bool, is_fixed: impl Fn(usize) -> bool) {
+    /// completed its step becomes inactive. `movers` are all bodies that are not static.
+    pub fn advance(
+        &mut self,
+        movers: impl Iterator<Item = usize>,
+        has_completed: impl Fn(usize) -> bool,
+        is_static: impl Fn(usize) -> bool,
+    ) {
         self.numbers.clear();
         self.replaced.clear();
-        let completed = (0..self.flags.len()).any(|i| has_completed(i) && !is_fixed(i));
+        let mut completed = false;
+        for i in movers.filter(|&i| has_completed(i)) {
+            completed = true;
+            self.flags[i] = true;
+        }
         if completed {
             self.any = true;
-            for (i, flag) in self.flags.iter_mut().enumerate() {
-                *flag |= has_completed(i) || is_fixed(i);
+            if std::mem::take(&mut self.has_active_static) {
+                let flags = self.flags.iter_mut().enumerate();
+                flags.for_each(|(i, flag)| *flag |= is_static(i));
             }
         }
     }

@@ -27,9 +27,9 @@ impl StepInput {
     /// Whether a collider or plane has hooks.
     #[cfg(feature = "bevy")]
     pub(crate) fn has_hooks(&self) -> bool {
-        let colliders = self.bodies.params.iter().map(|params| params.hooks);
-        let mut all = colliders.chain(self.planes.iter().map(|plane| plane.hooks));
-        all.any(|hooks| hooks != ActiveCollisionHooks::NONE)
+        let flags = self.bodies.flags();
+        let mut planes = self.planes.iter().map(|plane| plane.hooks);
+        flags.filters || flags.modifies || planes.any(|hooks| hooks != ActiveCollisionHooks::NONE)
     }
 
     /// Writes the identifier of each body: [`StepInput::keys`], or the index.

@@ -38,7 +38,7 @@ impl SpeculativeMargins {
     /// margin of the pair.
     pub fn set_speculative_radii(self, bodies: &mut Bodies, config: &StepConfig) {
         // Continuous collision needs every pair that may meet within the step, so the travel is not capped.
-        let has_continuous = bodies.params.iter().any(|params| params.continuous);
+        let has_continuous = bodies.flags().continuous;
         self.set_radii(bodies, config, |travel, thickness| {
             if has_continuous {
                 travel
@@ -55,20 +55,28 @@ impl SpeculativeMargins {
     }
 
     fn set_radii(self, bodies: &mut Bodies, config: &StepConfig, cap: impl Fn(f32, f32) -> f32) {
-        let mut radii = std::mem::take(&mut bodies.speculative_radius);
-        radii.clear();
-        radii.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
+        let margin = self.contact_margin(config);
+        bodies.speculative_radius.resize(bodies.radius.len(), 0.0);
+        if bodies.static_margin != Some(margin) {
+            for (i, radius) in bodies.speculative_radius.iter_mut().enumerate() {
+                if bodies.kind[i] == RigidBody::Static {
+                    *radius = bodies.radius[i] + margin * bodies.radius[i];
+                }
+            }
+            bodies.static_margin = Some(margin);
+        }
+        bodies.for_each_mover(|bodies, i| {
+            let radius = bodies.radius[i];
             let travel = match self {
-                Self::Moving { drift } if bodies.kind[i] != RigidBody::Static => {
+                Self::Moving { drift } => {
                     let dt = bodies.travel_time[i];
                     let speed = (bodies.linear_velocity[i] - drift).length() + sway(bodies, config, i, dt);
                     cap(SAFETY * speed * dt, bodies.thickness[i])
                 }
                 _ => 0.0,
             };
-            radius + self.contact_margin(config) * radius + travel
-        }));
-        bodies.speculative_radius = radii;
+            bodies.speculative_radius[i] = radius + margin * radius + travel;
+        });
     }
 
     /// The speculative margin of a pair, metres.

@@ -15,6 +15,7 @@
 //! | [`margins`], `arm` | speculative margins, and how far from a body's axis others may touch it |
 //! | `travel` | how colliders move if nothing stops them |
 //! | `inactive` | pairs that sleep and need no work |
+//! | `revision` | names of states of the static colliders |
 
 mod arm;
 pub mod bodies;
@@ -39,6 +40,7 @@ pub(crate) mod part_index;
 pub mod placed_mesh;
 pub mod planes;
 pub mod results;
+pub(crate) mod revision;
 pub(crate) mod travel;
 
 pub use bodies::{Bodies, Frame};

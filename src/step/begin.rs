@@ -12,12 +12,15 @@ use crate::types::settings::Response;
 /// Prepares the first collision substep.
 pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut StepResults, scratch: &mut StepScratch) {
     scratch.age(results);
+    input.bodies.list_movers();
     scratch.schedule.set_all(1);
     results.crowd = Crowd::default();
     scratch.most_near_pairs = None;
     scratch.near_in_step.clear();
-    results.asleep.clear();
-    scratch.inactive.clear();
+    if input.config.response != Response::Contacts {
+        scratch.inactive.clear();
+        results.asleep.clear();
+    }
     scratch.touches.clear();
     scratch.ccd.clear();
     scratch.margins = match input.config.response {
@@ -59,7 +62,9 @@ fn load_bodies(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch
         inactive,
         ..
     } = scratch;
-    input.write_keys(keys);
+    if !solver_bodies.revision().is(input.bodies.revision) {
+        input.write_keys(keys);
+    }
     solver_bodies.read(&input.bodies, &input.planes, keys);
     memory.restore(input, solver_bodies, inactive);
     Speeds::of(solver_bodies, input.config.dt, |_| false)

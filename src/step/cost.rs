@@ -25,11 +25,11 @@ const CONTINUOUS_FACTOR: u64 = 20;
 /// later collision substeps.
 pub(crate) fn is_small(stage: Stage, step: &StepState) -> bool {
     // The earlier of these are cheap, and most often enough.
-    step.input.bodies.len() as u64 * PER_BODY < SMALL && cost(stage, step) < SMALL
+    step.input.bodies.mover_count() as u64 * PER_BODY < SMALL && cost(stage, step) < SMALL
 }
 
 fn cost(stage: Stage, step: &StepState) -> u64 {
-    let bodies = step.input.bodies.len() as u64;
+    let bodies = step.input.bodies.mover_count() as u64;
     let of_bodies = bodies * PER_BODY;
     match stage {
         Stage::BroadPhase => of_bodies,
@@ -39,7 +39,7 @@ fn cost(stage: Stage, step: &StepState) -> u64 {
         Stage::ForceScan => of_bodies + step.results.manifolds.points.len() as u64 * PER_CONTACT_POINT,
         Stage::Integrate => {
             let of_contacts = step.input.config.response == Response::Contacts;
-            let continuous = of_contacts && step.input.bodies.params.iter().any(|params| params.continuous);
+            let continuous = of_contacts && step.input.bodies.flags().continuous;
             let more_substeps = u64::from(step.results.collision_substeps.saturating_sub(1));
             let narrow_phase = of_narrow_phase(step);
             let later = [Stage::BroadPhase, Stage::Angles, Stage::Manifolds, Stage::ForceScan];
@@ -89,5 +89,5 @@ fn of_narrow_phase(step: &StepState) -> u64 {
             PER_NEAR_PAIR + PER_TRIANGLE * (a + b).min(MAX_TRIANGLES) as u64
         })
         .sum();
-    pairs + (input.bodies.len() * input.planes.len()) as u64 * PER_PLANE_OF_BODY
+    pairs + (input.bodies.mover_count() * input.planes.len()) as u64 * PER_PLANE_OF_BODY
 }

@@ -280,14 +280,19 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
             scratch.schedule.begin(number + 1, &config, &mut input.bodies);
             let bodies = &input.bodies;
             scratch.inactive.advance(
+                bodies.movers(),
                 |i| bodies.travel_time_of(i) == 0.0,
                 |i| bodies.kind.get(i).is_none_or(|&kind| kind == RigidBody::Static),
             );
             scratch.margins.set_speculative_radii(&mut input.bodies, &config);
         }
         Part::ReportTouches => {
-            let sleep = &scratch.solver_bodies.sleep[..input.bodies.len()];
-            results.asleep.extend(sleep.iter().map(|sleep| sleep.asleep));
+            let (bodies, sleep) = (&input.bodies, &scratch.solver_bodies.sleep);
+            if !memory.revision.is(bodies.revision) {
+                results.asleep.clear();
+            }
+            results.asleep.resize(bodies.len(), false);
+            bodies.movers().for_each(|i| results.asleep[i] = sleep[i].asleep);
             scratch.touches.report(first_plane, &mut results.contacts);
         }
         Part::Remember if config.response == Response::Contacts => {

@@ -86,8 +86,7 @@ pub(super) fn filter_pairs(step: &mut StepState, number: u32, hooks: &mut dyn St
     left_out.changed.clear();
     let (before, warm) = (&mut memory.left_out, &memory.warm);
     let StepInput { bodies, planes, .. } = &*input;
-    let colliders = bodies.params.iter().any(|params| filters(params.hooks));
-    if !colliders && !planes.iter().any(|plane| filters(plane.hooks)) {
+    if !bodies.flags().filters && !planes.iter().any(|plane| filters(plane.hooks)) {
         before.clear();
         return;
     }
@@ -112,7 +111,7 @@ pub(super) fn filter_pairs(step: &mut StepState, number: u32, hooks: &mut dyn St
     };
     let asks = |pair: [u32; 2]| pair.iter().any(|&i| filters(bodies.params[i as usize].hooks));
     results.sphere_pairs.retain(|&pair| !asks(pair) || decide(pair));
-    for i in 0..bodies.len() {
+    for i in bodies.movers() {
         for (number, plane) in (bodies.len()..).zip(planes) {
             let asks = filters(bodies.params[i].hooks) || filters(plane.hooks);
             let pair = [i, number].map(|i| i as u32);
@@ -152,8 +151,7 @@ pub(super) fn modify_contacts(step: &mut StepState, number: u32, hooks: &mut dyn
     let modifies = |hooks: ActiveCollisionHooks| hooks.modify_contacts;
     scratch.left_out.dropped.clear();
     let StepInput { bodies, planes, .. } = &*input;
-    let colliders = bodies.params.iter().any(|params| modifies(params.hooks));
-    if !colliders && !planes.iter().any(|plane| modifies(plane.hooks)) {
+    if !bodies.flags().modifies && !planes.iter().any(|plane| modifies(plane.hooks)) {
         return;
     }
     let manifolds = &mut results.manifolds;

@@ -5,6 +5,7 @@ use crate::ccd::stage::Ccd;
 use crate::sleep::inputs::PlacedSleepInputs;
 use crate::solver::{SleepState, SolverBodies, WarmStart};
 use crate::state::inactive::{GONE, InactiveBodies};
+use crate::state::revision::Revision;
 use crate::state::{Plane, StepInput};
 use crate::types::body::RigidBody;
 use glam::Vec3;
@@ -23,6 +24,9 @@ pub struct StepMemory {
     pub(super) warm: WarmStart,
     /// The keys of pairs that a hook left out, ascending.
     pub(super) left_out: Vec<[u64; 2]>,
+    /// The state of the static bodies.
+    #[serde(skip)]
+    pub(super) revision: Revision,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -54,14 +58,8 @@ impl StepMemory {
             config, bodies, planes, ..
         } = input;
         let all_wake = self.gravity != config.gravity;
-        inactive.flags.resize(solver_bodies.len(), false);
-        inactive.numbers.resize(self.keys.len(), GONE);
-        let numbers = remap::previous_numbers(self.keys.iter(), &solver_bodies.keys[..bodies.len()]);
-        for (i, before) in numbers.enumerate() {
-            let Some(before) = before.map(|number| number as usize) else {
-                continue;
-            };
-            inactive.numbers[before] = i as u32;
+        inactive.begin(solver_bodies.len(), self.revision.is(bodies.revision));
+        let mut restore = |i: usize, before: usize| {
             let SavedBody {
                 mut sleep,
                 inputs,
@@ -87,25 +85,50 @@ impl StepMemory {
             if bodies.kind[i] == RigidBody::Kinematic && !same {
                 inactive.replaced.push(i as u32);
             }
+        };
+        if self.revision.is(bodies.revision) {
+            bodies.movers().for_each(|i| restore(i, i));
+        } else {
+            let mut now = vec![GONE; self.keys.len()];
+            let numbers = remap::previous_numbers(self.keys.iter(), &solver_bodies.keys[..bodies.len()]);
+            for (i, before) in numbers.enumerate() {
+                if let Some(before) = before.map(|number| number as usize) {
+                    now[before] = i as u32;
+                    restore(i, before);
+                }
+            }
+            inactive.numbers = now;
         }
         wake_whole_bodies(solver_bodies, &mut inactive.flags);
         let same_planes = self.planes == *planes;
         inactive.flags[bodies.len()..].fill(same_planes);
-        remap::renumber_planes(&mut inactive.numbers, self.planes.len(), bodies.len(), planes.len());
+        let same_numbers = inactive.numbers.is_empty() && self.planes.len() == planes.len();
+        if !same_numbers {
+            if inactive.numbers.is_empty() {
+                inactive.numbers.extend(0..bodies.len() as u32);
+            }
+            remap::renumber_planes(&mut inactive.numbers, self.planes.len(), bodies.len(), planes.len());
+        }
     }
 
     /// Saves the state that the next step needs.
     pub(super) fn save(&mut self, input: &StepInput, solver_bodies: &SolverBodies, ccd: &Ccd) {
         let count = input.bodies.len();
-        self.keys.clear();
-        self.keys.extend_from_slice(&solver_bodies.keys[..count]);
-        self.bodies.clear();
-        self.bodies.extend((0..count).map(|i| SavedBody {
+        let saved = |i: usize| SavedBody {
             sleep: solver_bodies.sleep[i],
             inputs: PlacedSleepInputs::of(input, i),
             body: input.bodies.body_of(i as u32),
             had_impact: ccd.had_impact(input.bodies.body_of(i as u32) as usize),
-        }));
+        };
+        if self.revision.is(input.bodies.revision) {
+            input.bodies.movers().for_each(|i| self.bodies[i] = saved(i));
+        } else {
+            self.keys.clear();
+            self.keys.extend_from_slice(&solver_bodies.keys[..count]);
+            self.bodies.clear();
+            self.bodies.extend((0..count).map(saved));
+            self.revision = input.bodies.revision;
+        }
         input.planes.clone_into(&mut self.planes);
         self.gravity = input.config.gravity;
     }

@@ -31,7 +31,7 @@ pub(crate) struct Reach {
     broad_phase: broad_phase::cpu::Scratch,
     pairs: Vec<[u32; 2]>,
     groups: UnionFind,
-    /// For the root of each group.
+    /// For the root of each group; others are not used.
     meetings: Vec<Meeting>,
     territories: Territories,
 }
@@ -49,7 +49,7 @@ pub(super) struct Meeting {
 }
 
 impl Reach {
-    /// The number of collision substeps that each body needs; 0 for what does not move. `drift` is the velocity that
+    /// The number of collision substeps that each body that moves needs, in the order of [`Bodies::movers`]. `drift` is the velocity that
     /// they have in common, m/s. The pairs that come near each other within the step are kept in `near_in_step`. Changes
     /// [`Bodies::speculative_radius`] and [`Bodies::travel_time`].
     pub fn collision_substeps(
@@ -73,13 +73,9 @@ impl Reach {
             meetings,
             territories,
         } = self;
-        bodies.travel_time.fill(config.dt);
+        bodies.for_each_mover(|bodies, i| bodies.travel_time[i] = config.dt);
         SpeculativeMargins::Moving { drift }.set_reach(bodies, config);
-        for (i, radius) in bodies.speculative_radius.iter_mut().enumerate() {
-            if bodies.kind[i] != RigidBody::Static {
-                *radius += ROOM * bodies.radius[i];
-            }
-        }
+        bodies.for_each_mover(|bodies, i| bodies.speculative_radius[i] += ROOM * bodies.radius[i]);
         let crowd = broad_phase::cpu::run(bodies, config.limits.body_pairs, broad_phase, pairs);
         let is_crowded = crowd.bodies > 0;
         if !is_crowded {
@@ -91,7 +87,7 @@ impl Reach {
         let spin_of = |i: u32| Speeds::spin_of(solver_bodies, bodies.body_of(i) as usize, config.dt);
         pairs.retain(|&[a, b]| sweep(a).meets(&sweep(b)));
 
-        groups.reset(bodies.len());
+        groups.reset_members(bodies.len(), bodies.movers());
         for part in &bodies.parts {
             groups.join(part.collider, bodies.body_of(part.collider));
         }
@@ -100,14 +96,14 @@ impl Reach {
         }
         if is_crowded {
             // Pairs are missing, so that any two bodies may meet.
-            let mut moving = (0..bodies.len() as u32).filter(|&i| moves(i));
+            let mut moving = bodies.movers().map(|i| i as u32);
             if let Some(first) = moving.next() {
                 moving.for_each(|i| groups.join(first, i));
             }
         }
-        meetings.clear();
         meetings.resize(bodies.len(), Meeting::NONE);
-        for i in (0..bodies.len() as u32).filter(|&i| moves(i) && solid(i)) {
+        bodies.movers().for_each(|i| meetings[i] = Meeting::NONE);
+        for i in bodies.movers().map(|i| i as u32).filter(|&i| solid(i)) {
             let meeting = &mut meetings[groups.root(i) as usize];
             meeting.include(solver_bodies, i as usize, config.dt);
             let own = sweep(i);
@@ -138,17 +134,14 @@ impl Reach {
                 }
             }
         }
-        for meeting in meetings.iter_mut() {
-            meeting.count_collision_substeps(config);
+        for i in bodies.movers() {
+            meetings[i].count_collision_substeps(config);
         }
-        territories.separate(bodies, config, groups, meetings, moves);
-        (0..bodies.len() as u32).map(move |i| {
-            if moves(i) {
-                meetings[groups.root(i) as usize].collision_substeps
-            } else {
-                0
-            }
-        })
+        territories.separate(bodies, config, groups, meetings);
+        let bodies = &*bodies;
+        bodies
+            .movers()
+            .map(|i| meetings[groups.root(i as u32) as usize].collision_substeps)
     }
 }
 

@@ -10,7 +10,7 @@ use crate::state::{Bodies, StepConfig};
 /// The number of collision substeps of each body.
 #[derive(Default)]
 pub(crate) struct Schedule {
-    /// For each body; 0 for what does not move. Empty if all others have the largest number.
+    /// For each body that moves. Empty if all have the largest number.
     counts: Vec<u32>,
     most: u32,
 }
@@ -22,12 +22,12 @@ impl Schedule {
         self.most = count;
     }
 
-    /// Each body has its own number.
+    /// Each body that moves has its own number, in the order of [`Bodies::movers`].
     pub fn set_each(&mut self, counts: impl Iterator<Item = u32>) {
         self.counts.clear();
         self.counts.extend(counts);
         self.most = self.counts.iter().copied().max().unwrap_or(0).max(1);
-        if self.counts.iter().all(|&count| count == self.most || count == 0) {
+        if self.counts.iter().all(|&count| count == self.most) {
             self.counts.clear();
         }
     }
@@ -39,25 +39,25 @@ impl Schedule {
 
     /// The mean number of the bodies that move.
     pub fn mean(&self) -> f32 {
-        let moving = || self.counts.iter().filter(|&&count| count > 0);
-        let sum: u64 = moving().map(|&count| u64::from(count)).sum();
+        let sum: u64 = self.counts.iter().map(|&count| u64::from(count)).sum();
         if sum > 0 {
-            sum as f32 / moving().count() as f32
+            sum as f32 / self.counts.len() as f32
         } else {
             self.most as f32
         }
     }
 
-    fn count(&self, i: usize) -> u32 {
-        self.counts.get(i).copied().unwrap_or(self.most)
-    }
-
     /// Sets [`Bodies::travel_time`] for collision substep `number`.
     pub fn begin(&self, number: u32, config: &StepConfig, bodies: &mut Bodies) {
-        for (i, time) in bodies.travel_time.iter_mut().enumerate() {
-            let count = self.count(i);
-            *time = if number < count { config.dt / count as f32 } else { 0.0 };
-        }
+        let mut counts = self.counts.iter().copied();
+        bodies.for_each_mover(|bodies, i| {
+            let count = counts.next().unwrap_or(self.most);
+            let time = if number < count { config.dt / count as f32 } else { 0.0 };
+            // Searches by themselves have no more than spheres.
+            if let Some(own) = bodies.travel_time.get_mut(i) {
+                *own = time;
+            }
+        });
     }
 
     /// How body `i` passes through the present collision substep. Planes are numbered after the bodies.
@@ -66,9 +66,10 @@ impl Schedule {
         if dt == 0.0 {
             return Pace::DONE;
         }
+        let count = (config.dt / dt).round() as u32;
         Pace {
             dt,
-            substeps: config.solver.substeps_per_collision_substep(self.count(i)),
+            substeps: config.solver.substeps_per_collision_substep(count),
         }
     }
 }

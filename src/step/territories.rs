@@ -34,15 +34,8 @@ struct Territory {
 
 impl Territories {
     /// Joins groups with different numbers of collision substeps whose territories overlap.
-    pub fn separate(
-        &mut self,
-        bodies: &Bodies,
-        config: &StepConfig,
-        groups: &mut UnionFind,
-        meetings: &mut [Meeting],
-        moves: impl Fn(u32) -> bool,
-    ) {
-        self.find(bodies, config, groups, moves);
+    pub fn separate(&mut self, bodies: &Bodies, config: &StepConfig, groups: &mut UnionFind, meetings: &mut [Meeting]) {
+        self.find(bodies, config, groups);
         let mut comparisons = 0;
         let mut i = 0;
         while i < self.all.len() {
@@ -109,10 +102,10 @@ impl Territories {
         self.all.remove(other);
     }
 
-    fn find(&mut self, bodies: &Bodies, config: &StepConfig, groups: &mut UnionFind, moves: impl Fn(u32) -> bool) {
+    fn find(&mut self, bodies: &Bodies, config: &StepConfig, groups: &mut UnionFind) {
         self.all.clear();
         // The root is the smallest member, so it comes first, and the list is ascending by root.
-        for i in (0..bodies.len() as u32).filter(|&i| moves(i)) {
+        for i in bodies.movers().map(|i| i as u32) {
             let root = groups.root(i);
             let sweep = Sweep::of(bodies, config, i);
             let radius = f64::from(sweep.radius);

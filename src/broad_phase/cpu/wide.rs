@@ -11,6 +11,9 @@ const ROUNDING: f32 = 1.0e-6;
 /// The spheres and pairs of a search.
 #[derive(Default)]
 pub(crate) struct WideSearch {
+    /// Number of bodies.
+    count: usize,
+    /// Spheres of those that move.
     centers: Vec<Vec3>,
     radii: Vec<f32>,
     pairs: Vec<[u32; 2]>,
@@ -19,6 +22,7 @@ pub(crate) struct WideSearch {
 impl WideSearch {
     /// Forgets the search.
     pub fn clear(&mut self) {
+        self.count = 0;
         self.centers.clear();
         self.radii.clear();
         self.pairs.clear();
@@ -27,19 +31,22 @@ impl WideSearch {
     /// Keeps what a search of these bodies has found: all pairs, ascending.
     pub fn set(&mut self, bodies: &Bodies, pairs: &[[u32; 2]]) {
         self.clear();
-        self.centers.extend_from_slice(&bodies.center);
-        self.radii.extend_from_slice(&bodies.speculative_radius);
+        self.count = bodies.len();
+        self.centers.extend(bodies.movers().map(|i| bodies.center[i]));
+        self.radii.extend(bodies.movers().map(|i| bodies.speculative_radius[i]));
         self.pairs.extend_from_slice(pairs);
     }
 
     /// Writes the pairs whose speculative spheres overlap now into `sphere_pairs`, as a new search would. Returns whether
     /// the wide search holds all of them; if not, the list is left as it is.
     pub fn find(&self, bodies: &Bodies, sphere_pairs: &mut Vec<[u32; 2]>) -> bool {
-        if self.centers.len() != bodies.center.len() || self.centers.is_empty() {
+        if self.count != bodies.center.len() || self.count == 0 {
             return false;
         }
         // Spheres that all move alike overlap as before.
-        if !self.holds(bodies, Vec3::ZERO) && !self.holds(bodies, self.common_travel(bodies)) {
+        let all_move = self.centers.len() == self.count;
+        let holds = self.holds(bodies, Vec3::ZERO) || all_move && self.holds(bodies, self.common_travel(bodies));
+        if !holds {
             return false;
         }
         sphere_pairs.clear();
@@ -53,14 +60,15 @@ impl WideSearch {
         true
     }
 
-    /// Whether all spheres, moved back by `travel`, are within those of the search.
+    /// Whether all spheres of bodies that move, moved back by `travel`, are within those of the search.
     fn holds(&self, bodies: &Bodies, travel: Vec3) -> bool {
-        let now = bodies.center.iter().zip(&bodies.speculative_radius);
+        let now = bodies.movers();
         now.zip(self.centers.iter().zip(&self.radii))
-            .all(|((center, radius), (wide_center, wide_radius))| {
-                let way = (*center - travel).distance(*wide_center);
+            .all(|(i, (wide_center, wide_radius))| {
+                let (center, radius) = (bodies.center[i], bodies.speculative_radius[i]);
+                let way = (center - travel).distance(*wide_center);
                 let rounding = ROUNDING * (wide_radius + center.abs().max_element());
-                // What is static does not move at all. False for NaN.
+                // False for NaN.
                 let way = if way == 0.0 { way } else { way + rounding };
                 way + radius <= *wide_radius
             })
@@ -68,7 +76,10 @@ impl WideSearch {
 
     /// The middle of all ways since the search.
     fn common_travel(&self, bodies: &Bodies) -> Vec3 {
-        let ways = bodies.center.iter().zip(&self.centers).map(|(now, then)| *now - *then);
+        let ways = bodies
+            .movers()
+            .zip(&self.centers)
+            .map(|(i, then)| bodies.center[i] - *then);
         let bounds = ways.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), way| {
             (low.min(way), high.max(way))
         });

@@ -78,8 +78,9 @@ pub fn find(
         return;
     }
     let vertices = vertices.ready();
-    lists.extend(found, &bodies.kind, TASK, |body, kind, found| {
-        if *kind != RigidBody::Dynamic || bodies.sensor[body] {
+    lists.extend(found, &bodies.list_of_movers(), TASK, |_, &body, found| {
+        let body = body as usize;
+        if bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
             return;
         }
         let margin = margin(bodies, body, config);

@@ -1,7 +1,7 @@
 //! From collected bodies and colliders to the stages' arrays.
 
 use super::Step;
-use super::collected::Collected;
+use super::collected::Rows;
 use super::components::Surface;
 #[cfg(feature = "gpu")]
 use super::latent::{Row, Seen};
@@ -16,6 +16,7 @@ use crate::types::body::RigidBody;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::math::DMat3;
 use bevy::prelude::*;
+use std::sync::Arc;
 
 /// A body whose colliders are placed in it.
 pub(crate) struct Assembly {
@@ -91,16 +92,12 @@ impl Step {
         let StepInput {
             bodies: arrays, meshes, ..
         } = &mut state.input;
-        let Collected {
+        let Rows {
             entities,
             bodies: owners,
             kinds,
             body_count,
-            ..
-        } = collected;
-        entities.clear();
-        owners.clear();
-        kinds.clear();
+        } = collected.new_rows();
         arrays.clear();
         for candidate in candidates.iter() {
             let (id, body) = (candidate.id, &candidate.body);
@@ -162,6 +159,21 @@ impl Step {
             debug_assert!(joined.is_ok(), "the body was checked");
         }
         arrays.end_joins();
+    }
+
+    /// Writes the bodies that were read, which are those that moved in the last step, to their rows. Returns false if one is
+    /// invalid.
+    pub fn fill_movers(&mut self) -> bool {
+        let StepInput { bodies, meshes, .. } = &mut self.state.input;
+        let movers = self.kept.movers().iter().zip(&self.candidates);
+        for (&number, candidate) in movers {
+            if bodies.set(number as usize, &candidate.body, meshes).is_err() {
+                return false;
+            }
+        }
+        self.collected.rows = Arc::clone(self.kept.rows());
+        self.check_driven();
+        true
     }
 
     /// The number of a body in the arrays: that of its first collider. `None` if the step leaves the body out.

@@ -1,9 +1,11 @@
 //! Reads components into the stages' arrays, before a step.
 
+use super::changes::StaticChanges;
 use super::children::{Child, ChildComponents, IsChild};
 use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
 use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed};
+use super::kept::ReadRules;
 use super::order::{self, Keyed};
 use super::planes::{self, IsPlane, KeyedPlane, PlaneComponents};
 use super::sheared::Sheared;
@@ -78,11 +80,17 @@ pub(crate) fn collect(
     meshes: Meshes,
     time: Res<Time<Physics>>,
     rules: Rules,
+    mut changes: StaticChanges,
     mut rejected: MessageWriter<BodyRejected>,
 ) {
     let step = &mut *step;
     step.begun = Instant::now();
     let has_hooks = step.hooks.is_some();
+    let read_rules = ReadRules {
+        culling: *rules.culling,
+        response: *rules.response,
+        has_hooks,
+    };
     step.state.input.config.dt = time.delta_secs();
     step.state.input.config.response = *rules.response;
     step.state.input.config.gravity = rules.gravity();
@@ -95,49 +103,75 @@ pub(crate) fn collect(
     step.assemblies.clear();
     step.parts.clear();
     step.tables.poll();
+    let counts = [bodies.iter().len(), hierarchy.children.iter().len()];
+    let mut before = Before {
+        nested: NestedBodies::default(),
+        driven: step.driven.take(),
+    };
+    let is_same = step.kept.may_hold(&step.state.input.bodies, read_rules, counts)
+        && !step.engine.is_latent()
+        && !meshes.meshes.is_changed()
+        && !changes.any(&step.kept);
+    changes.end();
+    let mut reader = Reader {
+        step,
+        meshes: &meshes,
+        rules: read_rules,
+        before: &before,
+        misses_mesh: false,
+    };
+    if is_same && reader.movers(&mut bodies) {
+        let named = |entity: Entity| named(entity, names.get(entity).ok());
+        read_planes(step, &plane_query, &hierarchy, has_hooks);
+        if step.new_faults.is_empty() {
+            step.oddities
+                .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
+            return;
+        }
+    }
+    step.new_faults.clear();
+    step.candidates.clear();
+    step.oddities.restart();
+    step.driven.take();
+    step.kept.forget();
+    before.nested = step.nested.take();
     let oddities = &mut step.oddities;
     (step.children).find(&hierarchy.children, &hierarchy.nodes, |entity, surface| {
         surface.note(entity, has_hooks, oddities);
     });
-    let before = Before {
-        nested: step.nested.take(),
-        driven: step.driven.take(),
-    };
     let mut reader = Reader {
         step,
         meshes: &meshes,
-        culling: *rules.culling,
-        response: *rules.response,
+        rules: read_rules,
         before: &before,
+        misses_mesh: false,
     };
     // Those that are not single bodies without a parent. They are few in most worlds.
     let mut others = std::mem::take(&mut reader.step.others);
     others.clear();
     for mut body in &mut bodies {
         body.note(has_hooks, &mut reader.step.oddities);
-        let is_single = body.parent.is_none()
-            && body.center.is_none()
-            && body.collider.is_some()
-            && !body.collider_disabled
-            && !body.body_disabled
-            && !reader.step.children.are_below(body.entity);
-        if is_single {
+        if reader.is_single(&body) {
             let posed = Posed::root(body.transform);
             reader.single(&mut body, &posed);
         } else {
             others.push(body.entity);
         }
     }
+    // Whether all that move are their own colliders.
+    let mut are_single = true;
     // So that assemblies are ascending by the entity of their body.
     others.sort_unstable();
     for &entity in &others {
         if let Ok(mut body) = bodies.get_mut(entity)
             && !body.body_disabled
         {
+            are_single &= body.kind.is_none_or(|&kind| kind == RigidBody::Static);
             reader.any(&mut body, &hierarchy);
         }
     }
     reader.children();
+    let misses_mesh = reader.misses_mesh;
     reader.step.others = others;
     #[cfg(feature = "gpu")]
     {
@@ -159,24 +193,7 @@ pub(crate) fn collect(
     keys.clear();
     keys.extend_from_slice(step.collected.entities.keys());
 
-    planes::read(
-        &plane_query,
-        |entity| hierarchy.to_world(entity),
-        has_hooks,
-        &mut step.planes,
-        &mut step.new_faults,
-        &mut step.oddities,
-    );
-    step.collected.planes.clear();
-    step.state.input.planes.clear();
-    for &KeyedPlane { id, plane } in &step.planes {
-        if id.is_stable() && step.collected.entities.keys().binary_search(&id.key).is_ok() {
-            step.oddities.add_same_key(id);
-        }
-        step.collected.planes.push(id);
-        step.state.input.planes.push(plane);
-    }
-    step.collected.planes.finish();
+    read_planes(step, &plane_query, &hierarchy, has_hooks);
 
     let named = |entity: Entity| named(entity, names.get(entity).ok());
     step.new_faults.sort_unstable_by_key(|&(entity, _)| entity);
@@ -196,6 +213,12 @@ pub(crate) fn collect(
     step.oddities
         .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
 
+    let is_complete = step.faults.is_empty() && !misses_mesh && step.tables.in_bake() == 0;
+    if is_complete && are_single && step.oddities.were_none() && step.sheared.is_empty() && !step.engine.is_latent() {
+        hierarchy.list_above(step.children.all(), &step.others, &mut step.kept.above);
+        let (bodies, rows) = (&mut step.state.input.bodies, &step.collected.rows);
+        step.kept.keep(bodies, rows, read_rules, counts);
+    }
     step.tables.retain(|id| meshes.meshes.contains(id));
     step.sheared.end_step(&mut step.state.input.meshes);
     let (arena, slots) = (&mut step.state.input.meshes, &mut step.slots);
@@ -206,6 +229,28 @@ pub(crate) fn collect(
         }
         keep
     });
+}
+
+/// Reads the planes of a step, whose colliders are known.
+fn read_planes(step: &mut Step, query: &Query<PlaneComponents, IsPlane>, hierarchy: &Hierarchy, has_hooks: bool) {
+    planes::read(
+        query,
+        |entity| hierarchy.to_world(entity),
+        has_hooks,
+        &mut step.planes,
+        &mut step.new_faults,
+        &mut step.oddities,
+    );
+    step.collected.planes.clear();
+    step.state.input.planes.clear();
+    for &KeyedPlane { id, plane } in &step.planes {
+        if id.is_stable() && step.collected.entities.keys().binary_search(&id.key).is_ok() {
+            step.oddities.add_same_key(id);
+        }
+        step.collected.planes.push(id);
+        step.state.input.planes.push(plane);
+    }
+    step.collected.planes.finish();
 }
 
 impl Step {
@@ -225,6 +270,30 @@ impl Hierarchy<'_, '_> {
     fn will_have_children(&self, body: Entity) -> bool {
         let is_above = |entity| matches!(hierarchy::above(entity, &self.nodes), Above::Body(above, _) if above == body);
         self.to_come.iter().any(is_above)
+    }
+
+    /// Lists the entities above static colliders and bodies, without repetition.
+    fn list_above(&self, children: &[Child], bodies: &[Entity], above: &mut Vec<Entity>) {
+        above.clear();
+        let mut last = None;
+        let below = children
+            .iter()
+            .map(|child| child.collider)
+            .chain(bodies.iter().copied());
+        for entity in below {
+            let parent = self.parents.get(entity).ok().map(ChildOf::parent);
+            if parent == last {
+                continue;
+            }
+            last = parent;
+            let mut next = parent;
+            while let Some(entity) = next {
+                above.push(entity);
+                next = self.parents.get(entity).ok().map(ChildOf::parent);
+            }
+        }
+        above.sort_unstable();
+        above.dedup();
     }
 
     /// The transformation from the coordinates of an entity to the world.
@@ -250,13 +319,44 @@ struct Before {
 struct Reader<'a, 'w> {
     step: &'a mut Step,
     meshes: &'a Meshes<'w>,
-    /// Of colliders without one of their own.
-    culling: Culling,
-    response: Response,
+    rules: ReadRules,
     before: &'a Before,
+    /// Whether the mesh of some collider is not there.
+    misses_mesh: bool,
 }
 
 impl Reader<'_, '_> {
+    /// Whether a body is its only collider, and below no other entity.
+    fn is_single(&self, body: &BodyComponentsItem) -> bool {
+        body.parent.is_none()
+            && body.center.is_none()
+            && body.collider.is_some()
+            && !body.collider_disabled
+            && !body.body_disabled
+            && !self.step.children.are_below(body.entity)
+    }
+
+    /// Reads again the bodies that move, in a step that has the colliders of the last one. Returns false if it has not.
+    fn movers(&mut self, bodies: &mut Query<BodyComponents, IsBody>) -> bool {
+        for at in 0..self.step.kept.movers().len() {
+            let id = self.step.kept.keyed(self.step.kept.movers()[at]);
+            let Ok(mut body) = bodies.get_mut(id.entity) else {
+                return false;
+            };
+            let moves = body.kind.is_some_and(|&kind| kind != RigidBody::Static);
+            if !moves || !self.is_single(&body) || Keyed::new(id.entity, body.key.copied()) != id {
+                return false;
+            }
+            body.note(self.rules.has_hooks, &mut self.step.oddities);
+            let posed = Posed::root(body.transform);
+            self.single(&mut body, &posed);
+            if self.step.candidates.len() != at + 1 {
+                return false;
+            }
+        }
+        self.step.fill_movers()
+    }
+
     /// Adds a body that is its only collider.
     fn single(&mut self, body: &mut BodyComponentsItem, posed: &Posed) {
         let surface = body.surface.read();
@@ -281,7 +381,7 @@ impl Reader<'_, '_> {
             stretch.y_axis.y as f32,
             stretch.z_axis.z as f32,
         );
-        surface.apply(&mut own, surface.culling.unwrap_or(self.culling));
+        surface.apply(&mut own, surface.culling.unwrap_or(self.rules.culling));
         let id = Keyed::new(body.entity, body.key.copied());
         self.step.candidates.push(Candidate::single(id, own));
     }
@@ -296,7 +396,7 @@ impl Reader<'_, '_> {
 
     /// Notes a kinematic body that moves by its `Transform`. What pushes nothing is better tested where it is put.
     fn drive(&mut self, body: &BodyComponentsItem, posed: &Posed, velocities: [Vec3; 2]) {
-        let pushes = self.response == Response::Contacts && !body.surface.is_sensor();
+        let pushes = self.rules.response == Response::Contacts && !body.surface.is_sensor();
         if pushes && body.kind == Some(&RigidBody::Kinematic) && velocities == [Vec3::ZERO; 2] {
             let pose = (posed.position, posed.rotation);
             self.step
@@ -404,7 +504,7 @@ impl Reader<'_, '_> {
         };
         let assembly = &self.step.assemblies[number as usize];
         let mut part = assembly.values.collider(mesh, &place, scale);
-        surface.apply(&mut part, surface.culling.unwrap_or(self.culling));
+        surface.apply(&mut part, surface.culling.unwrap_or(self.rules.culling));
         self.step.parts.push(AssemblyPart {
             assembly: number,
             collider: id.entity,
@@ -432,7 +532,7 @@ impl Reader<'_, '_> {
             ..Body::at_rest(mesh, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)
         };
         let mut fixed = origin.collider(mesh, &place, scale);
-        surface.apply(&mut fixed, surface.culling.unwrap_or(self.culling));
+        surface.apply(&mut fixed, surface.culling.unwrap_or(self.rules.culling));
         let id = Keyed::new(entity, child.key);
         self.step.candidates.push(Candidate::single(id, fixed));
     }
@@ -448,6 +548,7 @@ impl Reader<'_, '_> {
         let Meshes { meshes, assets } = self.meshes;
         let step = &mut *self.step;
         let Some(mesh) = meshes.get(id) else {
+            self.misses_mesh = true;
             match assets.load_state(id) {
                 LoadState::Loading | LoadState::Loaded => {}
                 LoadState::NotLoaded => step.new_faults.push((entity, BodyFault::MeshMissing)),
@@ -460,7 +561,7 @@ impl Reader<'_, '_> {
                 .get_path(id)
                 .map_or_else(|| id.to_string(), |path| path.to_string())
         };
-        if surface.culling.unwrap_or(self.culling) == Culling::FacesOfCollision && mesh.faces.is_none() {
+        if surface.culling.unwrap_or(self.rules.culling) == Culling::FacesOfCollision && mesh.faces.is_none() {
             step.tables.request(id, mesh, name);
         }
         let mesh = step.tables.best(id, mesh);

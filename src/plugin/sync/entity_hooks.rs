@@ -1,6 +1,6 @@
 //! Between the stages' hooks, which see numbers, and those of an app, which see entities.
 
-use super::collected::Collected;
+use super::collected::{Collected, Rows};
 use crate::step::hooks::{NoHooks, PairContacts, StepHooks};
 use bevy::prelude::*;
 
@@ -30,12 +30,8 @@ pub(super) struct Numbered<'a> {
 impl Numbered<'_> {
     /// A collider and its body, or a plane twice.
     fn entities(&self, number: u32) -> [Entity; 2] {
-        let Collected {
-            entities,
-            bodies,
-            planes,
-            ..
-        } = self.collected;
+        let Collected { rows, planes } = self.collected;
+        let Rows { entities, bodies, .. } = &**rows;
         let i = number as usize;
         match i.checked_sub(entities.len()) {
             Some(plane) => [planes[plane]; 2],

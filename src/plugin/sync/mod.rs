@@ -1,6 +1,7 @@
 //! Synchronisation with the ECS: reads components before a step, and writes results after it.
 
 mod assemblies;
+pub(crate) mod changes;
 mod children;
 pub(crate) mod collect;
 mod collected;
@@ -8,6 +9,7 @@ pub(crate) mod components;
 pub(crate) mod driven;
 pub(crate) mod entity_hooks;
 pub(crate) mod hierarchy;
+mod kept;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
 mod oddities;
@@ -39,10 +41,11 @@ use bevy::ecs::change_detection::Tick;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use children::ChildColliders;
-pub(crate) use collected::Collected;
+pub(crate) use collected::{Collected, Rows};
 use driven::DrivenBodies;
 use entity_hooks::{EntityHooks, Numbered};
 use hierarchy::NestedBodies;
+use kept::Kept;
 use order::Keyed;
 use std::collections::BTreeMap;
 use web_time::Instant;
@@ -62,6 +65,8 @@ pub(crate) struct Step {
     /// Steps with pending results.
     #[cfg(feature = "gpu")]
     pub latent: latent::Latent,
+    /// What is kept of the last step.
+    pub kept: Kept,
     /// Scratch: colliders in their order, valid or not.
     pub candidates: Vec<Candidate>,
     /// Scratch: bodies whose colliders are placed in them, ascending by entity, and these colliders.
@@ -165,6 +170,7 @@ impl Step {
             counts: Counts::default(),
             #[cfg(feature = "gpu")]
             latent: latent::Latent::default(),
+            kept: Kept::default(),
             candidates: Vec::new(),
             assemblies: Vec::new(),
             parts: Vec::new(),
@@ -206,8 +212,7 @@ impl Step {
     /// Moves the simulation to the CPU while hooks are active, and back to the GPU afterwards. Bodies keep their state.
     pub fn choose_place(&mut self) {
         let StepInput { bodies, config, .. } = &self.state.input;
-        let fast = bodies.params.iter().position(|params| params.continuous);
-        self.engine.has_fast_bodies = fast.is_some() && config.response == Response::Contacts;
+        self.engine.has_fast_bodies = bodies.flags().continuous && config.response == Response::Contacts;
         let on_cpu = self.state.input.has_hooks();
         #[cfg(feature = "gpu")]
         if self.engine.changes_place(on_cpu) {
@@ -216,6 +221,8 @@ impl Step {
         self.engine.keep_on_cpu(on_cpu);
         if self.engine.has_fast_bodies
             && self.engine.is_latent()
+            && let bodies = &self.state.input.bodies
+            && let fast = bodies.params.iter().position(|params| params.continuous)
             && let Some(&entity) = fast.and_then(|collider| self.collected.bodies.get(collider))
         {
             info_once!(
@@ -313,9 +320,9 @@ impl Step {
 
     /// Number of bodies asleep after a step on the CPU.
     fn bodies_asleep(&self) -> usize {
-        let bodies = &self.state.input.bodies;
-        let asleep = self.state.results.asleep.iter().enumerate();
-        asleep.filter(|&(i, &asleep)| asleep && bodies.is_body(i)).count()
+        let (bodies, asleep) = (&self.state.input.bodies, &self.state.results.asleep);
+        let is_asleep = |&i: &usize| asleep.get(i) == Some(&true) && bodies.is_body(i);
+        bodies.movers().filter(is_asleep).count()
     }
 
     /// Runs a step if its results come later. Returns false if results are not to come later.

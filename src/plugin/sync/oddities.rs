@@ -120,6 +120,16 @@ impl Oddities {
         }
     }
 
+    /// Whether the last step had none.
+    pub fn were_none(&self) -> bool {
+        self.known.is_empty() && self.bare.is_empty()
+    }
+
+    /// Forgets those of this step, which is read again.
+    pub fn restart(&mut self) {
+        self.found.clear();
+    }
+
     /// Ends a step: calls `report` with each oddity that was not there in the last step.
     pub fn report(&mut self, mut report: impl FnMut(Entity, Oddity)) {
         let Self { known, found, .. } = self;

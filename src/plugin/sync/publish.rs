@@ -204,12 +204,11 @@ pub(crate) fn write_back(
         });
     }
     let bodies = &step.state.input.bodies;
-    for (i, (&entity, &kind)) in results.bodies.iter().zip(&results.kinds).enumerate() {
-        if is_latent || !bodies.is_body(i) {
-            continue;
-        }
+    let movers = if is_latent { None } else { Some(bodies.movers()) };
+    for i in movers.into_iter().flatten().filter(|&i| bodies.is_body(i)) {
+        let (entity, kind) = (results.bodies[i], results.kinds[i]);
         let motion = bodies.body_motion(i);
-        let moves_by_itself = kind != RigidBody::Static && !step.driven.contains(entity);
+        let moves_by_itself = !step.driven.contains(entity);
         write(
             entity,
             moves_by_itself.then_some((motion.position, motion.rotation)),
@@ -271,6 +270,7 @@ pub(crate) fn publish(
     *report = StepReport {
         step: report.step + 1,
         bodies: results.body_count,
+        colliders_read: step.candidates.len(),
         stages: step.state.results.times,
         total: std::time::Duration::ZERO,
         sphere_pairs: counts.sphere_pairs,
@@ -391,8 +391,7 @@ pub(crate) fn publish(
 
     report.total = step.begun.elapsed();
     std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);
-    std::mem::swap(&mut collisions.entities, &mut results.entities);
-    std::mem::swap(&mut collisions.bodies, &mut results.bodies);
+    std::mem::swap(&mut collisions.rows, &mut results.rows);
     std::mem::swap(&mut collisions.planes, &mut results.planes);
     // Copied, because the next step reuses the manifolds of bodies asleep.
     collisions.manifolds.copy_from(&step.state.results.manifolds);

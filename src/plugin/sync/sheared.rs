@@ -62,6 +62,11 @@ pub(crate) enum Sheared {
 }
 
 impl ShearedMeshes {
+    /// Whether no collider has one.
+    pub fn is_empty(&self) -> bool {
+        self.copies.is_empty() && self.colliders.is_empty()
+    }
+
     /// The copy of `source` with each vertex `v` at `stretch * v`, for a collider. While another copy than its last one is
     /// being baked, the last one serves. A collider has one bake at a time. `name` is for the log.
     pub fn request(

@@ -11,6 +11,7 @@ use crate::solver::gpu::upload;
 use crate::solver::{PLANE_KEY, SleepState, SolverMotion, WarmStart};
 use crate::state::bodies::Frame;
 use crate::state::manifolds::pair_order;
+use crate::state::revision::Revision;
 use crate::state::{Manifold, ManifoldPoint, Manifolds};
 use crate::step::memory::{SavedBody, StepMemory};
 use bytemuck::{Pod, cast_slice, pod_collect_to_vec};
@@ -118,6 +119,7 @@ impl DeviceMemory {
             gravity: *gravity,
             warm: WarmStart::from_device(&saved.0[..pairs], &saved.1[..points], key_of),
             left_out: Vec::new(),
+            revision: Revision::UNKNOWN,
         };
         let mut last_pairs: Vec<_> = last.0[..pairs].iter().map(Manifold::from).collect();
         last_pairs.sort_unstable_by_key(|pair| pair_order(pair.bodies, keys.len() as u32));

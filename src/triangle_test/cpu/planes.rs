@@ -28,7 +28,8 @@ pub fn find(
     if planes.is_empty() {
         return;
     }
-    scratch.extend(contacts, &bodies.kind, TASK, |body, _, contacts| {
+    scratch.extend(contacts, &bodies.list_of_movers(), TASK, |_, &body, contacts| {
+        let body = body as usize;
         let wanted = |&(i, _): &(usize, &Plane)| wanted([body as u32, (bodies.len() + i) as u32]);
         let planes = planes.iter().enumerate().filter(wanted);
         contacts.extend(planes.filter_map(|(i, plane)| contact(bodies, meshes, body, i as u32, plane)));
