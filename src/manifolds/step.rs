@@ -76,7 +76,7 @@ pub(crate) fn find(
         }
     }
     std::mem::swap(manifolds, &mut scratch.before);
-    if !inactive.numbers.is_empty() {
+    if !inactive.has_same_numbers() {
         scratch.meshes.renumber(|pair| inactive.renumbered(pair));
     }
     // Pairs that have completed their step go on in the next one.

@@ -8,7 +8,6 @@ use crate::types::gpu_work::GpuWork;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use std::fmt;
-use std::sync::Arc;
 use std::time::Duration;
 
 /// All pairs that touched in the last step: pairs of colliders of different bodies, and colliders with planes.
@@ -29,7 +28,7 @@ use std::time::Duration;
 pub struct Collisions {
     /// The colliders and their bodies.
     #[reflect(ignore)]
-    pub(crate) rows: Arc<Rows>,
+    pub(crate) rows: Rows,
     /// Entity of each plane. In manifolds, planes are numbered after the colliders.
     #[reflect(ignore)]
     pub(crate) planes: Numbers,
@@ -107,18 +106,22 @@ impl Collisions {
     /// [`Collisions::of`].
     pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
         let find = |numbers: &Numbers, entity| numbers.number_of(entity).map(|i| i as u32);
-        let body = |entity| find(&self.rows.entities, entity);
+        let colliders = &self.rows.entities;
+        let key = |i: u32| colliders.keyed(i as usize);
+        let body = |entity| find(colliders, entity);
         match (body(one), body(other)) {
             (Some(i), Some(j)) => {
-                let key = [i.min(j), i.max(j)];
+                let [i, j] = [key(i), key(j)];
+                let wanted = [i.min(j), i.max(j)];
                 let pairs = &self.contacts.pairs;
-                let found = pairs.binary_search_by_key(&key, |pair| pair.bodies).ok()?;
+                let found = pairs.binary_search_by_key(&wanted, |pair| pair.bodies.map(key)).ok()?;
                 Some(self.collision(&pairs[found]))
             }
             (Some(i), None) | (None, Some(i)) => {
                 let plane = find(&self.planes, other).or_else(|| find(&self.planes, one))?;
                 let planes = &self.contacts.planes;
-                let found = planes.binary_search_by_key(&[i, plane], |c| [c.body, c.plane]).ok()?;
+                let wanted = (key(i), plane);
+                let found = planes.binary_search_by_key(&wanted, |c| (key(c.body), c.plane)).ok()?;
                 Some(self.on_plane(&planes[found]))
             }
             (None, None) => None,
@@ -134,7 +137,7 @@ impl Collisions {
     /// The body of a collider; `None` for planes.
     #[cfg(any(feature = "debug_gizmos", feature = "debug_panel"))]
     pub(crate) fn body_of(&self, collider: Entity) -> Option<Entity> {
-        let at = self.rows.entities.binary_search(&collider).ok()?;
+        let at = self.rows.entities.number_of(collider)?;
         Some(self.rows.bodies[at])
     }
 
@@ -181,8 +184,8 @@ impl Collisions {
     /// relative speed of the two. With both responses the margin of a collider and a plane is a hundredth of the collider's
     /// diameter, and grows with its speed.
     ///
-    /// In ascending order: first pairs of colliders, then colliders (first) with planes (second). Sensors have no manifolds,
-    /// and [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
+    /// In the order of the step: first pairs of colliders, then colliders (first) with planes (second). Of a pair the static
+    /// collider comes first, else the smaller one. Sensors have no manifolds, and [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
     ///
     /// # A solver of your own
     ///

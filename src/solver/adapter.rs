@@ -1,11 +1,10 @@
 //! Conversion between the bodies of a step and those of the solver.
 
 use super::bodies::SolverPart;
-use super::bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
+use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use crate::state::bodies::MAX_ACCELERATION;
 use crate::state::fault::MAX_SPEED;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::revision::Revision;
 use crate::state::{Bodies, Compound, Plane};
 use crate::types::body::{ExternalForces, RigidBody};
 use glam::{DMat3, Mat3};
@@ -20,21 +19,16 @@ impl SolverBodies {
     /// # Panics
     /// If there are fewer `keys` than bodies.
     pub fn read(&mut self, bodies: &Bodies, planes: &[Plane], keys: &[u64]) {
-        if self.revision.is(bodies.revision) {
-            self.truncate(bodies.len());
+        let is_known = self.revision.is(bodies.revision);
+        if is_known {
+            self.truncate(bodies.static_count);
             self.parts.clear();
-            for i in bodies.movers() {
-                self.bodies[i] = collider_of(bodies, i);
-                self.motions[i] = collider_motion(bodies, i);
-                self.forces[i] = bodies.params[i].forces;
-                self.sleep[i] = SleepState::default();
-            }
         } else {
             self.clear();
-            for (i, &key) in keys[..bodies.len()].iter().enumerate() {
-                let number = self.push(key, collider_of(bodies, i), collider_motion(bodies, i));
-                self.forces[number as usize] = bodies.params[i].forces;
-            }
+        }
+        for (i, &key) in keys.iter().enumerate().take(bodies.len()).skip(self.len()) {
+            let number = self.push(key, collider_of(bodies, i), collider_motion(bodies, i));
+            self.forces[number as usize] = bodies.params[i].forces;
         }
         self.read_compounds(bodies);
         for i in bodies.movers() {
@@ -43,11 +37,12 @@ impl SolverBodies {
                 *forces = forces.bounded(body.inverse_mass, &body.inverse_inertia, MAX_ACCELERATION);
             }
         }
-        if bodies.revision.is_known() && !self.revision.is(bodies.revision) {
+        if bodies.revision.is_known() {
+            if !is_known {
+                self.statics = self.statics();
+            }
             self.moving.clear();
             self.moving.extend_from_slice(&bodies.moving);
-            self.revision = Revision::UNKNOWN;
-            self.statics = self.statics();
             self.colliders = self.len();
             self.revision = bodies.revision;
         }

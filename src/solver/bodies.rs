@@ -337,6 +337,11 @@ impl SolverBodies {
         self.revision
     }
 
+    /// How many bodies are static, and come first, where their state is known.
+    pub(super) fn static_count(&self) -> usize {
+        self.moving.first().map_or(self.colliders, |&first| first as usize)
+    }
+
     /// What there is of static bodies.
     pub(super) fn statics(&self) -> Statics {
         let (mut statics, rest) = match self.revision.is_known() {

@@ -110,10 +110,10 @@ impl Bundles {
             let start = self.sorted.len();
             self.sorted.extend(row.map(|(island, pair)| {
                 let before = (island.slots.start - slots.start) as u32;
-                let IslandPair { number, slots } = pairs[pair];
+                let own = pairs[pair];
                 IslandPair {
-                    number,
-                    slots: slots.map(|slot| before + slot),
+                    slots: own.slots.map(|slot| before + slot),
+                    ..own
                 }
             }));
             self.batches.push(BatchSize::of(&self.sorted[start..], &points_of));
@@ -154,6 +154,7 @@ mod tests {
             pairs.extend((0..length as u32).map(|k| IslandPair {
                 number: start as u32 + k,
                 slots: [k, k + 1],
+                is_fixed: false,
             }));
             islands.push(Island {
                 slots: slots..slots + length + 1,

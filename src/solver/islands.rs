@@ -29,6 +29,8 @@ pub(super) struct IslandPair {
     pub number: u32,
     /// Numbers of its bodies within the island; in the order of bundles, within the bundle.
     pub slots: [u32; 2],
+    /// One of its bodies does not move.
+    pub is_fixed: bool,
 }
 
 /// What can change the velocity and the pose of a body.
@@ -132,12 +134,8 @@ impl Islands {
         }
         self.sorted_bodies.sort_unstable();
 
-        if self.slots.len() == mobility.len() {
-            self.bodies.iter().for_each(|&body| self.slots[body as usize] = NONE);
-        } else {
-            self.slots.clear();
-            self.slots.resize(mobility.len(), NONE);
-        }
+        self.bodies.iter().for_each(|&body| self.slots[body as usize] = NONE);
+        self.slots.resize(mobility.len(), NONE);
         self.list.clear();
         self.bodies.clear();
         self.pairs.clear();
@@ -156,7 +154,12 @@ impl Islands {
                 let number = member as u32;
                 let pair = pairs[number as usize].expect("only pairs that exist are sorted");
                 let slots = pair.map(|body| self.slot(body, start.slots.start));
-                self.pairs.push(IslandPair { number, slots });
+                let is_fixed = pair.iter().any(|&body| mobility[body as usize] == Mobility::Fixed);
+                self.pairs.push(IslandPair {
+                    number,
+                    slots,
+                    is_fixed,
+                });
                 first += 1;
             }
             self.list.push(start.ending_at(self.bodies.len(), self.pairs.len()));

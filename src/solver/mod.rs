@@ -191,13 +191,16 @@ impl Solver {
         if !(bodies.movers().all(|i| is_valid(&pace_of(i))) && gravity.is_finite()) {
             return;
         }
-        if !revision.is(bodies.revision()) || paces.len() != bodies.len() {
-            paces.clear();
-            paces.resize(bodies.len(), Pace::DONE);
-            mobility.clear();
-            mobility.resize(bodies.len(), Mobility::Fixed);
-            *revision = bodies.revision();
-        }
+        let same = if revision.is(bodies.revision()) {
+            bodies.static_count()
+        } else {
+            0
+        };
+        paces.truncate(same);
+        paces.resize(bodies.len(), Pace::DONE);
+        mobility.truncate(same);
+        mobility.resize(bodies.len(), Mobility::Fixed);
+        *revision = bodies.revision();
         for i in bodies.movers() {
             paces[i] = pace_of(i);
             mobility[i] = motion::mobility(bodies, i, paces[i]);

@@ -81,6 +81,8 @@ pub struct Bodies {
     pub(crate) part_index: PartIndex,
     /// The colliders that are not static, ascending, if they have been listed.
     pub(crate) moving: Vec<u32>,
+    /// Where `revision` is known, the static colliders are so many, and come first.
+    pub(crate) static_count: usize,
     pub(crate) is_listed: bool,
     /// What some static one has, if they have been listed.
     pub(crate) of_static: Flags,
@@ -103,13 +105,13 @@ pub(crate) struct Flags {
 }
 
 impl Flags {
-    fn of<'a>(mut all: impl Iterator<Item = &'a BodyParams>) -> Self {
+    fn of<'a>(all: impl Iterator<Item = &'a BodyParams>) -> Self {
         let flags = |params: &BodyParams| Self {
             continuous: params.continuous,
             filters: params.hooks.filter_pairs,
             modifies: params.hooks.modify_contacts,
         };
-        all.by_ref().map(flags).fold(Self::default(), Self::or)
+        all.map(flags).fold(Self::default(), Self::or)
     }
 
     fn or(self, other: Self) -> Self {
@@ -183,6 +185,7 @@ impl Bodies {
             parts,
             part_index,
             moving,
+            static_count,
             is_listed,
             of_static,
             revision,
@@ -217,14 +220,55 @@ impl Bodies {
         parts.clear();
         part_index.clear();
         moving.clear();
+        *static_count = 0;
         *is_listed = false;
         *of_static = Flags::default();
         *revision = Revision::UNKNOWN;
         *static_margin = None;
     }
 
-    /// Names the present state of the static colliders. Until [`Bodies::clear`] nothing about them may change, so that steps do
-    /// nothing for them.
+    /// Removes all but the static bodies, whose state is known.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn keep_static_only(&mut self) {
+        let count = self.static_count;
+        self.body.truncate(count);
+        self.mesh.truncate(count);
+        self.kind.truncate(count);
+        self.position.truncate(count);
+        self.rotation.truncate(count);
+        self.scale.truncate(count);
+        self.linear_velocity.truncate(count);
+        self.angular_velocity.truncate(count);
+        self.frame.truncate(count);
+        self.center.truncate(count);
+        self.radius.truncate(count);
+        self.unpadded_radius.truncate(count);
+        self.thickness.truncate(count);
+        self.speculative_radius.truncate(count);
+        self.travel_time.truncate(count);
+        self.inverse_mass.truncate(count);
+        self.own_inverse_mass.truncate(count);
+        self.local_inverse_inertia.truncate(count);
+        self.inverse_inertia.truncate(count);
+        self.restitution.truncate(count);
+        self.gravity_scale.truncate(count);
+        self.layers.truncate(count);
+        self.sensor.truncate(count);
+        self.culling.truncate(count);
+        self.params.truncate(count);
+        self.compounds.clear();
+        self.parts.clear();
+        self.part_index.clear();
+    }
+
+    /// What has been pushed so far is static, and what follows is not.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn end_static(&mut self) {
+        self.static_count = self.len();
+    }
+
+    /// Names the present state of the static colliders, which come first. Until [`Bodies::clear`] nothing about them may
+    /// change, so that steps do nothing for them.
     #[cfg(feature = "bevy")]
     pub(crate) fn keep_static(&mut self) {
         self.revision = Revision::UNKNOWN;
@@ -243,6 +287,9 @@ impl Bodies {
             let statics = self.params.iter().zip(&self.kind);
             let statics = statics.filter(|(_, kind)| **kind == RigidBody::Static);
             self.of_static = Flags::of(statics.map(|(params, _)| params));
+        } else {
+            self.moving.clear();
+            self.moving.extend(self.static_count as u32..self.kind.len() as u32);
         }
     }
 
@@ -266,7 +313,8 @@ impl Bodies {
         if !self.is_listed {
             return Flags::of(self.params.iter());
         }
-        let moving = Flags::of(self.moving.iter().map(|&i| &self.params[i as usize]));
+        // Searches by themselves have no more than spheres.
+        let moving = Flags::of(self.moving.iter().filter_map(|&i| self.params.get(i as usize)));
         moving.or(self.of_static)
     }
 
@@ -363,28 +411,17 @@ impl Bodies {
     /// until [`Bodies::join`](super::compound) joins it with others.
     pub fn push(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         check_body(body)?;
-        self.put(self.len(), body, meshes, true)
-    }
-
-    /// Validates `body`, and writes it to the row of one that is a body by itself. Both move.
-    ///
-    /// # Errors
-    /// The first fault that it finds. Then nothing changes.
-    #[cfg(feature = "bevy")]
-    pub(crate) fn set(&mut self, i: usize, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
-        check_body(body)?;
-        self.put(i, body, meshes, true)
+        self.add(body, meshes, true)
     }
 
     /// The same for a collider that will be joined with others before the bodies are used. What it has from its body must
     /// be valid.
     pub fn push_part(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         check_collider(body)?;
-        self.put(self.len(), body, meshes, false)
+        self.add(body, meshes, false)
     }
 
-    /// Writes to row `i`, which may be the next one.
-    fn put(&mut self, i: usize, body: &Body, meshes: &MeshArena, has_inertia: bool) -> Result<(), BodyFault> {
+    fn add(&mut self, body: &Body, meshes: &MeshArena, has_inertia: bool) -> Result<(), BodyFault> {
         let slot = &meshes[body.mesh];
         let (rotation, scale, unpadded_radius) = check_pose(&slot.mesh, body.rotation.as_dquat(), body.scale)?;
 
@@ -412,45 +449,34 @@ impl Bodies {
             (DMat3::ZERO, DMat3::ZERO)
         };
 
-        put(&mut self.body, i, i as u32);
-        put(&mut self.mesh, i, body.mesh);
-        put(&mut self.kind, i, body.kind);
-        put(&mut self.position, i, body.position);
-        put(&mut self.rotation, i, unit(body.rotation));
-        put(&mut self.scale, i, scale);
-        put(&mut self.linear_velocity, i, body.linear_velocity);
-        put(&mut self.angular_velocity, i, body.angular_velocity);
-        put(&mut self.frame, i, frame);
-        put(&mut self.center, i, center);
-        put(&mut self.radius, i, radius);
-        put(&mut self.unpadded_radius, i, unpadded_radius);
+        self.body.push(self.body.len() as u32);
+        self.mesh.push(body.mesh);
+        self.kind.push(body.kind);
+        self.position.push(body.position);
+        self.rotation.push(unit(body.rotation));
+        self.scale.push(scale);
+        self.linear_velocity.push(body.linear_velocity);
+        self.angular_velocity.push(body.angular_velocity);
+        self.frame.push(frame);
+        self.center.push(center);
+        self.radius.push(radius);
+        self.unpadded_radius.push(unpadded_radius);
         let thickness = slot.mesh.mass.thickness * scale.abs().min_element();
-        put(&mut self.thickness, i, thickness);
-        put(&mut self.speculative_radius, i, radius);
-        put(&mut self.travel_time, i, 0.0);
-        put(&mut self.inverse_mass, i, inverse_mass);
-        put(
-            &mut self.own_inverse_mass,
-            i,
-            own_inverse_mass(body, &frame, &slot.mesh.mass),
-        );
-        put(&mut self.local_inverse_inertia, i, own_inertia.as_mat3());
-        put(&mut self.inverse_inertia, i, inverse_inertia.as_mat3());
-        put(&mut self.restitution, i, body.restitution.clamp(0.0, 1.0));
-        put(&mut self.gravity_scale, i, body.gravity_scale);
-        put(&mut self.layers, i, body.layers);
-        put(&mut self.sensor, i, body.sensor);
-        put(&mut self.culling, i, body.culling);
-        put(&mut self.params, i, body.params);
+        self.thickness.push(thickness);
+        self.speculative_radius.push(radius);
+        self.travel_time.push(0.0);
+        self.inverse_mass.push(inverse_mass);
+        self.own_inverse_mass
+            .push(own_inverse_mass(body, &frame, &slot.mesh.mass));
+        self.local_inverse_inertia.push(own_inertia.as_mat3());
+        self.inverse_inertia.push(inverse_inertia.as_mat3());
+        self.restitution.push(body.restitution.clamp(0.0, 1.0));
+        self.gravity_scale.push(body.gravity_scale);
+        self.layers.push(body.layers);
+        self.sensor.push(body.sensor);
+        self.culling.push(body.culling);
+        self.params.push(body.params);
         Ok(())
-    }
-}
-
-/// Writes an element of a list, or adds it at the end.
-fn put<T>(list: &mut Vec<T>, i: usize, value: T) {
-    match list.get_mut(i) {
-        Some(old) => *old = value,
-        None => list.push(value),
     }
 }
 

@@ -14,8 +14,10 @@ pub(crate) struct InactiveBodies {
     /// Kinematic bodies that have changed since the last step other than by their velocity: they have another place, shape or
     /// layers. What sleeps on them must wake.
     pub replaced: Vec<u32>,
-    /// New index of each body of the last collision substep, or [`GONE`]; empty if all indices are unchanged.
-    pub numbers: Vec<u32>,
+    /// New index of each body of the last collision substep but the first ones, or [`GONE`]; empty if all indices are unchanged.
+    numbers: Vec<u32>,
+    /// The first bodies, whose indices are unchanged.
+    same: usize,
     /// Whether static bodies may be active.
     has_active_static: bool,
 }
@@ -29,17 +31,26 @@ impl InactiveBodies {
         self.any = false;
     }
 
-    /// Prepares for a step of `count` bodies and planes, of which none is inactive yet. Where the static ones are `unchanged` since
-    /// the last step they remain inactive.
-    pub fn begin(&mut self, count: usize, unchanged: bool) {
+    /// Prepares for a step of `count` bodies and planes, of which none is inactive yet. The first `same` ones are static, and
+    /// remain inactive because they are unchanged since the last step.
+    pub fn begin(&mut self, count: usize, same: usize) {
         self.numbers.clear();
         self.replaced.clear();
         self.any = false;
-        if !unchanged {
-            self.flags.clear();
-        }
+        self.flags.clear();
+        self.flags.resize(same, true);
         self.flags.resize(count, false);
-        self.has_active_static = !unchanged;
+        self.has_active_static = same == 0;
+    }
+
+    /// Sets the new indices of the bodies of the last collision substep from index `same` on; none if all are unchanged.
+    pub fn set_numbers(&mut self, same: usize, numbers: Vec<u32>) {
+        (self.same, self.numbers) = (same, numbers);
+    }
+
+    /// Whether all indices are unchanged.
+    pub fn has_same_numbers(&self) -> bool {
+        self.numbers.is_empty()
     }
 
     /// Whether nothing about a pair can have changed since the last collision substep: neither body can have moved.
@@ -52,7 +63,10 @@ impl InactiveBodies {
         if self.numbers.is_empty() {
             return Some(pair);
         }
-        let pair = pair.map(|i| self.numbers.get(i as usize).copied().unwrap_or(GONE));
+        let pair = pair.map(|i| match (i as usize).checked_sub(self.same) {
+            None => i,
+            Some(at) => self.numbers.get(at).copied().unwrap_or(GONE),
+        });
         (!pair.contains(&GONE)).then_some(pair)
     }
 

@@ -32,13 +32,13 @@ impl StepInput {
         flags.filters || flags.modifies || planes.any(|hooks| hooks != ActiveCollisionHooks::NONE)
     }
 
-    /// Writes the identifier of each body: [`StepInput::keys`], or the index.
-    pub(crate) fn write_keys(&self, keys: &mut Vec<u64>) {
+    /// Writes the identifier of each body: [`StepInput::keys`], or the index. The first `known` are there already.
+    pub(crate) fn write_keys(&self, keys: &mut Vec<u64>, known: usize) {
+        keys.truncate(known);
         if self.keys.len() == self.bodies.len() {
-            keys.clone_from(&self.keys);
+            keys.extend_from_slice(&self.keys[known..]);
         } else {
-            keys.clear();
-            keys.extend(0..self.bodies.len() as u64);
+            keys.extend(known as u64..self.bodies.len() as u64);
         }
     }
 }

@@ -62,9 +62,8 @@ fn load_bodies(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch
         inactive,
         ..
     } = scratch;
-    if !solver_bodies.revision().is(input.bodies.revision) {
-        input.write_keys(keys);
-    }
+    let is_known = solver_bodies.revision().is(input.bodies.revision);
+    input.write_keys(keys, if is_known { input.bodies.static_count } else { 0 });
     solver_bodies.read(&input.bodies, &input.planes, keys);
     memory.restore(input, solver_bodies, inactive);
     Speeds::of(solver_bodies, input.config.dt, |_| false)

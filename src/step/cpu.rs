@@ -288,9 +288,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
         }
         Part::ReportTouches => {
             let (bodies, sleep) = (&input.bodies, &scratch.solver_bodies.sleep);
-            if !memory.revision.is(bodies.revision) {
-                results.asleep.clear();
-            }
+            results.asleep.clear();
             results.asleep.resize(bodies.len(), false);
             bodies.movers().for_each(|i| results.asleep[i] = sleep[i].asleep);
             scratch.touches.report(first_plane, &mut results.contacts);

@@ -58,7 +58,12 @@ impl StepMemory {
             config, bodies, planes, ..
         } = input;
         let all_wake = self.gravity != config.gravity;
-        inactive.begin(solver_bodies.len(), self.revision.is(bodies.revision));
+        let is_known = self.revision.is(bodies.revision);
+        // The static bodies that are those of the last step, with their numbers.
+        let same = if is_known { bodies.static_count } else { 0 };
+        inactive.begin(solver_bodies.len(), same);
+        // Taken out, because the others change meanwhile.
+        let keys = std::mem::take(&mut solver_bodies.keys);
         let mut restore = |i: usize, before: usize| {
             let SavedBody {
                 mut sleep,
@@ -86,29 +91,35 @@ impl StepMemory {
                 inactive.replaced.push(i as u32);
             }
         };
-        if self.revision.is(bodies.revision) {
-            bodies.movers().for_each(|i| restore(i, i));
+        let (before, now) = (&self.keys[same..], &keys[same..bodies.len()]);
+        let mut numbers = vec![GONE; if before == now { 0 } else { before.len() }];
+        if before == now {
+            (same..bodies.len()).for_each(|i| restore(i, i));
         } else {
-            let mut now = vec![GONE; self.keys.len()];
-            let numbers = remap::previous_numbers(self.keys.iter(), &solver_bodies.keys[..bodies.len()]);
-            for (i, before) in numbers.enumerate() {
-                if let Some(before) = before.map(|number| number as usize) {
-                    now[before] = i as u32;
-                    restore(i, before);
+            for (i, number) in (same..).zip(remap::previous_numbers(before, now)) {
+                let Some(number) = number.map(|number| number as usize) else {
+                    continue;
+                };
+                restore(i, same + number);
+                let is_static = |kind: RigidBody| kind == RigidBody::Static;
+                // One that begins or ends to move has another place among the numbers, and its pairs are new.
+                if is_static(bodies.kind[i]) == is_static(self.bodies[same + number].inputs.inputs.kind) {
+                    numbers[number] = i as u32;
                 }
             }
-            inactive.numbers = now;
         }
+        let are_same = before == now;
+        solver_bodies.keys = keys;
         wake_whole_bodies(solver_bodies, &mut inactive.flags);
         let same_planes = self.planes == *planes;
         inactive.flags[bodies.len()..].fill(same_planes);
-        let same_numbers = inactive.numbers.is_empty() && self.planes.len() == planes.len();
-        if !same_numbers {
-            if inactive.numbers.is_empty() {
-                inactive.numbers.extend(0..bodies.len() as u32);
+        if !are_same || self.planes.len() != planes.len() {
+            if are_same {
+                numbers.extend(same as u32..bodies.len() as u32);
             }
-            remap::renumber_planes(&mut inactive.numbers, self.planes.len(), bodies.len(), planes.len());
+            remap::renumber_planes(&mut numbers, self.planes.len(), bodies.len(), planes.len());
         }
+        inactive.set_numbers(same, numbers);
     }
 
     /// Saves the state that the next step needs.
@@ -120,15 +131,16 @@ impl StepMemory {
             body: input.bodies.body_of(i as u32),
             had_impact: ccd.had_impact(input.bodies.body_of(i as u32) as usize),
         };
-        if self.revision.is(input.bodies.revision) {
-            input.bodies.movers().for_each(|i| self.bodies[i] = saved(i));
+        let same = if self.revision.is(input.bodies.revision) {
+            input.bodies.static_count
         } else {
-            self.keys.clear();
-            self.keys.extend_from_slice(&solver_bodies.keys[..count]);
-            self.bodies.clear();
-            self.bodies.extend((0..count).map(saved));
-            self.revision = input.bodies.revision;
-        }
+            0
+        };
+        self.keys.truncate(same);
+        self.keys.extend_from_slice(&solver_bodies.keys[same..count]);
+        self.bodies.truncate(same);
+        self.bodies.extend((same..count).map(saved));
+        self.revision = input.bodies.revision;
         input.planes.clone_into(&mut self.planes);
         self.gravity = input.config.gravity;
     }

@@ -1,21 +1,29 @@
 //! Body remap: the numbers of bodies in the last step and in this one.
 //!
-//! Bodies are renumbered in every step, but their keys stay the same. Both lists are in ascending order of keys, so one
-//! merge matches them. [`StepMemory`](super::StepMemory) and the GPU's memory use it.
+//! Bodies are renumbered in every step, but their keys stay the same. [`StepMemory`](super::StepMemory) and the GPU's memory
+//! match them.
 
 use crate::state::inactive::GONE;
 
-/// For each key of `now` its number in `before`, if it is there. Both are ascending.
-pub(crate) fn previous_numbers<K: Ord>(
-    before: impl IntoIterator<Item = K>,
-    now: impl IntoIterator<Item = K>,
-) -> impl Iterator<Item = Option<u32>> {
-    let mut before = (0..).zip(before).peekable();
-    now.into_iter().map(move |key| {
-        while before.next_if(|(_, old)| *old < key).is_some() {}
-        let same = before.peek().filter(|(_, old)| *old == key);
-        same.map(|&(number, _)| number)
-    })
+/// For each key of `now` its number in `before`, if it is there.
+pub(crate) fn previous_numbers(before: &[u64], now: &[u64]) -> Vec<Option<u32>> {
+    let mut sorted: Vec<(u64, u32)> = before.iter().copied().zip(0..).collect();
+    if !before.is_sorted() {
+        sorted.sort_unstable();
+    }
+    // Most keys follow the one that follows that of the key before.
+    let mut next = 0;
+    let find = |&key: &u64| {
+        let is_next = sorted.get(next).is_some_and(|(old, _)| *old == key);
+        let at = if is_next {
+            next
+        } else {
+            sorted.binary_search_by_key(&key, |(old, _)| *old).ok()?
+        };
+        next = at + 1;
+        Some(sorted[at].1)
+    };
+    now.iter().map(find).collect()
 }
 
 /// Appends to `numbers`, which are the new numbers of the old bodies, the new numbers of the `old_count` old
@@ -36,13 +44,15 @@ mod tests {
 
     #[test]
     fn bodies_keep_their_identity_when_others_are_added_and_removed() {
-        let before = |old: &[u64], now: &[u64]| -> Vec<_> {
-            previous_numbers(old.iter().copied(), now.iter().copied()).collect()
-        };
+        let before = |old: &[u64], now: &[u64]| -> Vec<_> { previous_numbers(old, now) };
         assert_eq!(before(&[10, 20, 30], &[10, 20, 30]), [Some(0), Some(1), Some(2)]);
         assert_eq!(
             before(&[10, 20, 30], &[5, 20, 25, 30, 40]),
             [None, Some(1), None, Some(2), None]
+        );
+        assert_eq!(
+            before(&[30, 10, 20], &[20, 40, 10, 30]),
+            [Some(2), None, Some(1), Some(0)]
         );
         assert_eq!(before(&[], &[1]), [None]);
         assert_eq!(before(&[1], &[]), []);

@@ -16,6 +16,7 @@ mod extreme_masses;
 mod groups;
 mod hooks;
 mod kinds;
+mod levels;
 #[path = "../common/log.rs"]
 mod log;
 mod many;

@@ -46,7 +46,7 @@ impl IslandFinder<'_, '_> {
             return Islands::default();
         };
         let is_dynamic = |body: Entity| self.kinds.get(body) == Ok(&RigidBody::Dynamic);
-        let mut bodies: Vec<Entity> = collisions.rows.bodies.clone();
+        let mut bodies: Vec<Entity> = collisions.rows.bodies.iter().copied().collect();
         bodies.retain(|&body| is_dynamic(body));
         bodies.sort_unstable();
         bodies.dedup();

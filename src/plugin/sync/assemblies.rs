@@ -5,7 +5,7 @@ use super::collected::Rows;
 use super::components::Surface;
 #[cfg(feature = "gpu")]
 use super::latent::{Row, Seen};
-use super::order::{InOrder, Keyed};
+use super::order::{self, InOrder, Keyed};
 use crate::plugin::components::StableKey;
 #[cfg(feature = "gpu")]
 use crate::state::Motion;
@@ -16,7 +16,7 @@ use crate::types::body::RigidBody;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::math::DMat3;
 use bevy::prelude::*;
-use std::sync::Arc;
+use std::ops::Range;
 
 /// A body whose colliders are placed in it.
 pub(crate) struct Assembly {
@@ -67,7 +67,17 @@ impl Candidate {
     }
 }
 
+impl Candidate {
+    fn is_static(&self) -> bool {
+        self.body.kind == RigidBody::Static
+    }
+}
+
 impl InOrder for Candidate {
+    fn is_static(&self) -> bool {
+        self.is_static()
+    }
+
     fn id(&self) -> Keyed {
         self.id
     }
@@ -78,15 +88,63 @@ impl InOrder for Candidate {
 }
 
 impl Step {
-    /// Fills the stages' arrays with the bodies that were read, and records which of them are invalid.
+    /// Fills the stages' arrays with the bodies that were read, and records which of them are invalid. Static ones come first, so
+    /// that what moves can come and go beside them.
     pub fn fill(&mut self) {
+        order::put_static_first(&mut self.candidates);
+        let fixed = self.candidates.partition_point(Candidate::is_static);
+        self.state.input.bodies.clear();
+        self.collected.rows.clear();
+        self.add_candidates(0..fixed);
+        self.collected.rows.end_fixed();
+        self.state.input.bodies.end_static();
+        self.add_candidates(fixed..self.candidates.len());
+        self.collected.rows.entities.finish();
+        let count = self.collected.entities.len();
+        let fixed = self.collected.entities.fixed();
+        self.collected.rows.body_counts = [fixed, count - fixed];
+        self.join_parts();
+    }
+
+    /// Fills the arrays with the bodies that were read, which are those that move; the others are those of the last step.
+    pub fn fill_moving(&mut self) {
+        self.state.input.bodies.keep_static_only();
+        self.collected.rows.begin_moving(&self.kept.rows);
+        self.add_candidates(0..self.candidates.len());
+        self.collected.rows.entities.finish();
+        self.collected.rows.body_counts[1] = self.candidates.len();
+        self.join_parts();
+        self.state.input.bodies.list_movers();
+    }
+
+    /// Adds some of the candidates to the arrays.
+    fn add_candidates(&mut self, range: Range<usize>) {
+        let StepInput { bodies, meshes, .. } = &mut self.state.input;
+        let rows = &mut self.collected.rows;
+        for &Candidate { id, body, is_joined } in &self.candidates[range] {
+            let pushed = if is_joined {
+                bodies.push_part(&body, meshes)
+            } else {
+                bodies.push(&body, meshes)
+            };
+            match pushed {
+                Ok(()) => {
+                    rows.entities.push(id);
+                    rows.bodies.push(id.entity);
+                    rows.kinds.push(body.kind);
+                }
+                Err(fault) => self.new_faults.push((id.entity, fault)),
+            }
+        }
+    }
+
+    /// Joins colliders to the bodies of which they are parts.
+    fn join_parts(&mut self) {
         let Self {
             state,
-            candidates,
             assemblies,
             parts,
             collected,
-            new_faults,
             ..
         } = self;
         let StepInput {
@@ -95,32 +153,13 @@ impl Step {
         let Rows {
             entities,
             bodies: owners,
-            kinds,
-            body_count,
-        } = collected.new_rows();
-        arrays.clear();
-        for candidate in candidates.iter() {
-            let (id, body) = (candidate.id, &candidate.body);
-            let pushed = if candidate.is_joined {
-                arrays.push_part(body, meshes)
-            } else {
-                arrays.push(body, meshes)
-            };
-            match pushed {
-                Ok(()) => {
-                    entities.push(id);
-                    owners.push(id.entity);
-                    kinds.push(body.kind);
-                }
-                Err(fault) => new_faults.push((id.entity, fault)),
-            }
-        }
-        entities.finish();
-        *body_count = entities.len();
+            body_counts,
+            ..
+        } = &mut collected.rows;
         let mut next = 0;
         for part in parts.iter_mut() {
             // Most colliders of a body follow each other.
-            let is_next = entities.get(next) == Some(&part.collider);
+            let is_next = entities.get(next) == Some(part.collider);
             let number = if is_next {
                 Some(next)
             } else {
@@ -145,13 +184,14 @@ impl Step {
                     density: part.density,
                 })
             }));
+            let is_static = assembly.values.kind == RigidBody::Static;
             for part in &found {
-                owners[part.collider as usize] = assembly.body;
+                owners.set(part.collider as usize, assembly.body);
             }
-            *body_count -= found.len().saturating_sub(1);
+            body_counts[usize::from(!is_static)] -= found.len().saturating_sub(1);
             assembly.number = found.first().map(|part| part.collider);
             // Colliders of a static body need not know each other: two static ones never collide.
-            if found.is_empty() || assembly.values.kind == RigidBody::Static {
+            if found.is_empty() || is_static {
                 continue;
             }
             assembly.compound = Some(arrays.compounds.len() as u32);
@@ -159,21 +199,6 @@ impl Step {
             debug_assert!(joined.is_ok(), "the body was checked");
         }
         arrays.end_joins();
-    }
-
-    /// Writes the bodies that were read, which are those that moved in the last step, to their rows. Returns false if one is
-    /// invalid.
-    pub fn fill_movers(&mut self) -> bool {
-        let StepInput { bodies, meshes, .. } = &mut self.state.input;
-        let movers = self.kept.movers().iter().zip(&self.candidates);
-        for (&number, candidate) in movers {
-            if bodies.set(number as usize, &candidate.body, meshes).is_err() {
-                return false;
-            }
-        }
-        self.collected.rows = Arc::clone(self.kept.rows());
-        self.check_driven();
-        true
     }
 
     /// The number of a body in the arrays: that of its first collider. `None` if the step leaves the body out.
@@ -186,8 +211,11 @@ impl Step {
 
     /// The body whose colliders are placed in it.
     pub fn assembly(&self, body: Entity) -> Option<&Assembly> {
-        let at = self.assemblies.binary_search_by_key(&body, |assembly| assembly.body);
-        Some(&self.assemblies[at.ok()?])
+        // Those that are kept of the last step, and others, each ascending.
+        let (kept, read) = self.assemblies.split_at(self.kept_assemblies);
+        let find = |own: &'_ [Assembly]| own.binary_search_by_key(&body, |assembly| assembly.body).ok();
+        let at = find(read).map(|at| at + kept.len()).or_else(|| find(kept));
+        Some(&self.assemblies[at?])
     }
 
     /// Links the bodies of the step that is about to run with those of the last one.
@@ -211,7 +239,7 @@ impl Step {
         let count = collected.entities.len() as u32;
         // Both lists are in the same order, and the candidates have invalid ones too.
         let mut read = candidates.iter();
-        let singles = (0..count).zip(collected.entities.iter()).filter_map(|(row, &entity)| {
+        let singles = (0..count).zip(collected.entities.iter()).filter_map(|(row, entity)| {
             let Candidate { body, .. } = read.find(|other| other.id.entity == entity)?;
             let own = Row {
                 entity,
@@ -235,7 +263,7 @@ impl Step {
         // Without stable keys these are two ascending lists, which a stable sort merges.
         bodies.sort_by_key(|(row, _)| row.entity);
         latent.link(
-            &collected.entities,
+            collected.entities.iter(),
             arrays.compounds.len(),
             bodies.into_iter(),
             resident,

@@ -50,28 +50,30 @@ pub(crate) fn note_removed(removed: On<Remove, Read>, mut list: ResMut<Removed>)
 /// The changes of one component of colliders and bodies.
 #[derive(SystemParam)]
 pub(crate) struct Changes<'w, 's, T: Component> {
-    all: Query<'w, 's, (Ref<'static, T>, Option<&'static RigidBody>), IsPart>,
+    all: Query<'w, 's, (Entity, Ref<'static, T>, Option<&'static RigidBody>), IsPart>,
 }
 
 impl<T: Component> Changes<'_, '_, T> {
-    /// Whether that of one that does not move has changed.
-    fn any_static(&self) -> bool {
+    /// Whether that of something that does not move has changed.
+    fn any_static(&self, kept: &Kept) -> bool {
         let Ok(tables) = self.all.contiguous_iter() else {
             return true;
         };
-        let mut changed = false;
-        for (components, kinds) in tables {
+        tables.into_iter().any(|(entities, components, kinds)| {
             let (_, ticks) = ContiguousRef::split(components);
             // Without an early end, so that it is done with vector instructions. In most tables nothing has changed.
             if !ticks.is_changed_iter().fold(false, |any, own| any | own) {
-                continue;
+                return false;
             }
-            changed |= kinds.is_none_or(|kinds| {
-                let mut both = ticks.is_changed_iter().zip(kinds);
-                both.any(|(is_changed, kind)| is_changed && *kind == RigidBody::Static)
-            });
-        }
-        changed
+            let mut changed = ticks
+                .is_changed_iter()
+                .enumerate()
+                .filter(|(_, is_changed)| *is_changed);
+            changed.any(|(i, _)| match kinds {
+                Some(kinds) => kinds[i] == RigidBody::Static,
+                None => !kept.moves(entities[i]),
+            })
+        })
     }
 }
 
@@ -116,8 +118,8 @@ pub(crate) struct StaticChanges<'w, 's> {
         Changes<'w, 's, ContinuousCollision>,
         Changes<'w, 's, Teleport>,
     ),
-    /// A body that was static may move now.
-    kinds: Query<'w, 's, (Entity, Ref<'static, RigidBody>)>,
+    /// New bodies, and others whose kind has changed.
+    kinds: Query<'w, 's, (Entity, Ref<'static, RigidBody>, Option<Ref<'static, Transform>>)>,
     removed: ResMut<'w, Removed>,
     above: Query<'w, 's, (Option<Ref<'static, Transform>>, Option<Ref<'static, ChildOf>>)>,
 }
@@ -126,7 +128,7 @@ impl StaticChanges<'_, '_> {
     /// Whether anything that does not move has changed.
     pub fn any(&self, kept: &Kept) -> bool {
         macro_rules! any {
-            ($($group:ident: [$($index:tt)*])*) => { false $($(|| self.$group.$index.any_static())*)* };
+            ($($group:ident: [$($index:tt)*])*) => { false $($(|| self.$group.$index.any_static(kept))*)* };
         }
         let Removed { entities, many } = &*self.removed;
         let has_lost = *many || entities.iter().any(|&entity| !kept.moves(entity));
@@ -138,7 +140,6 @@ impl StaticChanges<'_, '_> {
         };
         has_lost
             || has_changed
-            || self.has_other_kind(kept)
             || kept.above.iter().any(|&entity| {
                 let Ok((transform, parent)) = self.above.get(entity) else {
                     return true;
@@ -148,18 +149,32 @@ impl StaticChanges<'_, '_> {
             })
     }
 
-    /// Whether a body that did not move in the last step has another kind.
-    fn has_other_kind(&self, kept: &Kept) -> bool {
+    /// Adds the new bodies that move to those that are kept. Returns false if something else has become a body, or another kind
+    /// of body.
+    pub fn add_movers(&self, kept: &mut Kept) -> bool {
         let Ok(tables) = self.kinds.contiguous_iter() else {
-            return true;
+            return false;
         };
-        tables.into_iter().any(|(entities, kinds)| {
-            let (_, ticks) = ContiguousRef::split(kinds);
-            ticks.is_changed_iter().fold(false, |any, own| any | own) && {
-                let mut both = ticks.is_changed_iter().zip(entities);
-                both.any(|(is_changed, &entity)| is_changed && !kept.moves(entity))
+        for (entities, kinds, transforms) in tables {
+            let (values, ticks) = ContiguousRef::split(kinds);
+            if !ticks.is_changed_iter().fold(false, |any, own| any | own) {
+                continue;
             }
-        })
+            let spawned = transforms.map(|transforms| ContiguousRef::split(transforms).1);
+            let mut spawned = spawned.iter().flat_map(|ticks| ticks.is_added_iter());
+            for ((is_changed, &entity), &kind) in ticks.is_changed_iter().zip(entities).zip(values) {
+                let is_spawned = spawned.next() == Some(true);
+                if !is_changed {
+                    continue;
+                }
+                let was_mover = kept.movers.binary_search(&entity).is_ok();
+                if kind == RigidBody::Static || !was_mover && !is_spawned {
+                    return false;
+                }
+                kept.add_mover(entity);
+            }
+        }
+        true
     }
 
     /// Ends a step: what has been removed until now is known.

@@ -138,6 +138,39 @@ impl ChildColliders {
         }
     }
 
+    /// Updates some of them, which are parts of bodies, in a step that has those of the last one: these are their `indices`.
+    /// Returns how many there still are; `None` if one is elsewhere. What belongs to a body that is gone is left as it was.
+    pub fn update(
+        &mut self,
+        indices: &[u32],
+        query: &Query<ChildComponents, IsChild>,
+        nodes: &Query<Node>,
+        mut note: impl FnMut(Entity, &SurfaceComponentsItem),
+    ) -> Option<usize> {
+        let mut count = 0;
+        for &at in indices {
+            let child = &mut self.children[at as usize];
+            let Ok(components) = query.get(child.collider) else {
+                let has_body = child.body.is_some_and(|body| nodes.contains(body));
+                if has_body {
+                    return None;
+                }
+                continue;
+            };
+            note(child.collider, &components.surface);
+            count += 1;
+            match hierarchy::from_parent(components.parent.parent(), nodes) {
+                Above::Body(body, above) if child.body == Some(body) => child.update(&Found {
+                    components: &components,
+                    body: child.body,
+                    above,
+                }),
+                _ => return None,
+            }
+        }
+        Some(count)
+    }
+
     /// Whether a body has colliders below it.
     pub fn are_below(&self, body: Entity) -> bool {
         !self.children.is_empty()

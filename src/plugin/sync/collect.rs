@@ -5,7 +5,7 @@ use super::children::{Child, ChildComponents, IsChild};
 use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
 use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed};
-use super::kept::ReadRules;
+use super::kept::{Kept, ReadRules};
 use super::order::{self, Keyed};
 use super::planes::{self, IsPlane, KeyedPlane, PlaneComponents};
 use super::sheared::Sheared;
@@ -100,17 +100,17 @@ pub(crate) fn collect(
 
     step.new_faults.clear();
     step.candidates.clear();
-    step.assemblies.clear();
     step.parts.clear();
     step.tables.poll();
     let counts = [bodies.iter().len(), hierarchy.children.iter().len()];
     let mut before = Before {
-        nested: NestedBodies::default(),
+        nested: step.nested.take_some(&step.kept.movers),
         driven: step.driven.take(),
     };
-    let is_same = step.kept.may_hold(&step.state.input.bodies, read_rules, counts)
+    let is_same = step.kept.may_hold(&step.state.input.bodies, read_rules)
         && !step.engine.is_latent()
         && !meshes.meshes.is_changed()
+        && changes.add_movers(&mut step.kept)
         && !changes.any(&step.kept);
     changes.end();
     let mut reader = Reader {
@@ -120,21 +120,29 @@ pub(crate) fn collect(
         before: &before,
         misses_mesh: false,
     };
-    if is_same && reader.movers(&mut bodies) {
-        let named = |entity: Entity| named(entity, names.get(entity).ok());
-        read_planes(step, &plane_query, &hierarchy, has_hooks);
-        if step.new_faults.is_empty() {
-            step.oddities
-                .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
-            return;
-        }
+    if is_same && reader.moving(&mut bodies, &hierarchy, counts) {
+        finish(
+            step,
+            &mut bodies,
+            &plane_query,
+            &hierarchy,
+            &names,
+            &mut rejected,
+            has_hooks,
+        );
+        return;
     }
     step.new_faults.clear();
     step.candidates.clear();
+    step.assemblies.clear();
+    step.parts.clear();
+    step.kept_assemblies = 0;
     step.oddities.restart();
     step.driven.take();
     step.kept.forget();
-    before.nested = step.nested.take();
+    step.kept.movers.clear();
+    let known = std::mem::replace(&mut before.nested, step.nested.take());
+    before.nested.0.extend(known.0);
     let oddities = &mut step.oddities;
     (step.children).find(&hierarchy.children, &hierarchy.nodes, |entity, surface| {
         surface.note(entity, has_hooks, oddities);
@@ -150,27 +158,15 @@ pub(crate) fn collect(
     let mut others = std::mem::take(&mut reader.step.others);
     others.clear();
     for mut body in &mut bodies {
-        body.note(has_hooks, &mut reader.step.oddities);
-        if reader.is_single(&body) {
-            let posed = Posed::root(body.transform);
-            reader.single(&mut body, &posed);
-        } else {
-            others.push(body.entity);
+        if body.kind.is_some_and(|&kind| kind != RigidBody::Static) {
+            reader.step.kept.movers.push(body.entity);
         }
+        reader.add(&mut body, &mut others);
     }
-    // Whether all that move are their own colliders.
-    let mut are_single = true;
-    // So that assemblies are ascending by the entity of their body.
-    others.sort_unstable();
-    for &entity in &others {
-        if let Ok(mut body) = bodies.get_mut(entity)
-            && !body.body_disabled
-        {
-            are_single &= body.kind.is_none_or(|&kind| kind == RigidBody::Static);
-            reader.any(&mut body, &hierarchy);
-        }
-    }
-    reader.children();
+    reader.step.kept.movers.sort_unstable();
+    reader.others(&mut bodies, &mut others, &hierarchy);
+    let all = 0..reader.step.children.all().len() as u32;
+    reader.children(all);
     let misses_mesh = reader.misses_mesh;
     reader.step.others = others;
     #[cfg(feature = "gpu")]
@@ -180,44 +176,39 @@ pub(crate) fn collect(
     // The order of a query depends on archetypes. That of keys does not.
     order::sort(&mut step.candidates, |id| step.oddities.add_same_key(id));
     step.fill();
-    step.check_driven();
-    for (assembly, center) in step.centers() {
-        if let Ok(mut body) = bodies.get_mut(assembly)
-            && let Some(computed) = &mut body.computed_center
-        {
-            computed.set_if_neq(ComputedCenterOfMass(center));
-        }
-    }
-
-    let keys = &mut step.state.input.keys;
-    keys.clear();
-    keys.extend_from_slice(step.collected.entities.keys());
-
-    read_planes(step, &plane_query, &hierarchy, has_hooks);
-
-    let named = |entity: Entity| named(entity, names.get(entity).ok());
-    step.new_faults.sort_unstable_by_key(|&(entity, _)| entity);
-    for &(entity, fault) in &step.new_faults {
-        let known = step.faults.binary_search_by_key(&entity, |&(entity, _)| entity);
-        if !known.is_ok_and(|at| step.faults[at].1.is_like(&fault)) {
-            error!("{} is left out of collisions: {fault}", named(entity));
-            rejected.write(BodyRejected { entity, fault });
-        }
-    }
-    std::mem::swap(&mut step.faults, &mut step.new_faults);
     let children = &step.children;
     let moving = (hierarchy.bare.iter())
         .filter(|&(entity, &kind)| kind != RigidBody::Static && !children.are_below(entity))
         .filter(|&(entity, _)| !hierarchy.will_have_children(entity));
     step.oddities.count_bare(moving.map(|(entity, _)| entity));
-    step.oddities
-        .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
+    finish(
+        step,
+        &mut bodies,
+        &plane_query,
+        &hierarchy,
+        &names,
+        &mut rejected,
+        has_hooks,
+    );
 
     let is_complete = step.faults.is_empty() && !misses_mesh && step.tables.in_bake() == 0;
-    if is_complete && are_single && step.oddities.were_none() && step.sheared.is_empty() && !step.engine.is_latent() {
-        hierarchy.list_above(step.children.all(), &step.others, &mut step.kept.above);
-        let (bodies, rows) = (&mut step.state.input.bodies, &step.collected.rows);
-        step.kept.keep(bodies, rows, read_rules, counts);
+    if is_complete && step.oddities.were_none() && step.sheared.is_empty() && !step.engine.is_latent() {
+        let Step {
+            state,
+            collected,
+            kept,
+            children,
+            others,
+            ..
+        } = &mut *step;
+        hierarchy.list_above(children.all(), others, kept);
+        kept.keep(
+            &mut state.input.bodies,
+            &collected.rows,
+            children.all(),
+            read_rules,
+            counts,
+        );
     }
     step.tables.retain(|id| meshes.meshes.contains(id));
     step.sheared.end_step(&mut step.state.input.meshes);
@@ -229,6 +220,49 @@ pub(crate) fn collect(
         }
         keep
     });
+}
+
+/// Completes a step whose colliders have been read, and reports what is wrong with them.
+fn finish(
+    step: &mut Step,
+    bodies: &mut Query<BodyComponents, IsBody>,
+    plane_query: &Query<PlaneComponents, IsPlane>,
+    hierarchy: &Hierarchy,
+    names: &Query<&Name>,
+    rejected: &mut MessageWriter<BodyRejected>,
+    has_hooks: bool,
+) {
+    step.check_driven();
+    for (assembly, center) in step.centers() {
+        if let Ok(mut body) = bodies.get_mut(assembly)
+            && let Some(computed) = &mut body.computed_center
+        {
+            computed.set_if_neq(ComputedCenterOfMass(center));
+        }
+    }
+    let [fixed, moving] = step.collected.rows.entities.keys();
+    let keys = &mut step.state.input.keys;
+    if step.state.input.bodies.revision.is_known() {
+        keys.truncate(fixed.len());
+    } else {
+        keys.clear();
+        keys.extend_from_slice(fixed);
+    }
+    keys.extend_from_slice(moving);
+    read_planes(step, plane_query, hierarchy, has_hooks);
+
+    let named = |entity: Entity| named(entity, names.get(entity).ok());
+    step.new_faults.sort_unstable_by_key(|&(entity, _)| entity);
+    for &(entity, fault) in &step.new_faults {
+        let known = step.faults.binary_search_by_key(&entity, |&(entity, _)| entity);
+        if !known.is_ok_and(|at| step.faults[at].1.is_like(&fault)) {
+            error!("{} is left out of collisions: {fault}", named(entity));
+            rejected.write(BodyRejected { entity, fault });
+        }
+    }
+    std::mem::swap(&mut step.faults, &mut step.new_faults);
+    step.oddities
+        .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
 }
 
 /// Reads the planes of a step, whose colliders are known.
@@ -244,7 +278,7 @@ fn read_planes(step: &mut Step, query: &Query<PlaneComponents, IsPlane>, hierarc
     step.collected.planes.clear();
     step.state.input.planes.clear();
     for &KeyedPlane { id, plane } in &step.planes {
-        if id.is_stable() && step.collected.entities.keys().binary_search(&id.key).is_ok() {
+        if id.is_stable() && step.collected.entities.has_key(id.key) {
             step.oddities.add_same_key(id);
         }
         step.collected.planes.push(id);
@@ -273,14 +307,14 @@ impl Hierarchy<'_, '_> {
     }
 
     /// Lists the entities above static colliders and bodies, without repetition.
-    fn list_above(&self, children: &[Child], bodies: &[Entity], above: &mut Vec<Entity>) {
+    fn list_above(&self, children: &[Child], bodies: &[Entity], kept: &mut Kept) {
+        let Kept { above, movers, .. } = kept;
         above.clear();
+        let moves = |body: &Entity| movers.binary_search(body).is_ok();
+        let children = children.iter().filter(|child| !child.body.as_ref().is_some_and(moves));
+        let bodies = bodies.iter().filter(|body| !moves(body)).copied();
         let mut last = None;
-        let below = children
-            .iter()
-            .map(|child| child.collider)
-            .chain(bodies.iter().copied());
-        for entity in below {
+        for entity in children.map(|child| child.collider).chain(bodies) {
             let parent = self.parents.get(entity).ok().map(ChildOf::parent);
             if parent == last {
                 continue;
@@ -336,25 +370,99 @@ impl Reader<'_, '_> {
             && !self.step.children.are_below(body.entity)
     }
 
-    /// Reads again the bodies that move, in a step that has the colliders of the last one. Returns false if it has not.
-    fn movers(&mut self, bodies: &mut Query<BodyComponents, IsBody>) -> bool {
-        for at in 0..self.step.kept.movers().len() {
-            let id = self.step.kept.keyed(self.step.kept.movers()[at]);
-            let Ok(mut body) = bodies.get_mut(id.entity) else {
-                return false;
-            };
-            let moves = body.kind.is_some_and(|&kind| kind != RigidBody::Static);
-            if !moves || !self.is_single(&body) || Keyed::new(id.entity, body.key.copied()) != id {
-                return false;
-            }
-            body.note(self.rules.has_hooks, &mut self.step.oddities);
+    /// Adds a body if it is its only collider, or else adds it to `others`.
+    fn add(&mut self, body: &mut BodyComponentsItem, others: &mut Vec<Entity>) {
+        body.note(self.rules.has_hooks, &mut self.step.oddities);
+        if self.is_single(body) {
             let posed = Posed::root(body.transform);
-            self.single(&mut body, &posed);
-            if self.step.candidates.len() != at + 1 {
-                return false;
+            self.single(body, &posed);
+        } else {
+            others.push(body.entity);
+        }
+    }
+
+    /// Adds these bodies, ascending.
+    fn others(&mut self, bodies: &mut Query<BodyComponents, IsBody>, others: &mut [Entity], hierarchy: &Hierarchy) {
+        // So that assemblies are ascending by the entity of their body.
+        others.sort_unstable();
+        for &entity in others.iter() {
+            if let Ok(mut body) = bodies.get_mut(entity)
+                && !body.body_disabled
+            {
+                self.any(&mut body, hierarchy);
             }
         }
-        self.step.fill_movers()
+    }
+
+    /// Reads again what moves, in a step that may have the static colliders of the last one and has `counts` of bodies and of
+    /// colliders below others. Returns false if all is to be read again.
+    fn moving(
+        &mut self,
+        bodies: &mut Query<BodyComponents, IsBody>,
+        hierarchy: &Hierarchy,
+        counts: [usize; 2],
+    ) -> bool {
+        let mut movers = std::mem::take(&mut self.step.kept.movers);
+        let mut others = std::mem::take(&mut self.step.others);
+        others.clear();
+        self.step
+            .assemblies
+            .retain(|assembly| assembly.values.kind == RigidBody::Static);
+        self.step.kept_assemblies = self.step.assemblies.len();
+        let mut is_same = true;
+        movers.retain(|&entity| {
+            let Ok(mut body) = bodies.get_mut(entity) else {
+                // It may be a static collider now.
+                is_same &= !hierarchy.nodes.contains(entity);
+                return false;
+            };
+            is_same &= body.kind.is_some_and(|&kind| kind != RigidBody::Static);
+            // It is counted for how long it has no collider.
+            is_same &= body.collider.is_some() || self.step.children.are_below(entity);
+            self.add(&mut body, &mut others);
+            true
+        });
+        is_same &= counts[0] == self.step.kept.counts[0] + movers.len();
+        if is_same {
+            self.others(bodies, &mut others, hierarchy);
+            is_same = self.moving_children(hierarchy, counts[1]);
+        }
+        self.step.kept.movers = movers;
+        self.step.others = others;
+        is_same &= !self.misses_mesh;
+        if is_same {
+            let Step { candidates, kept, .. } = &mut *self.step;
+            order::sort(candidates, |_| is_same = false);
+            let mut stable = candidates.iter().filter(|candidate| candidate.id.is_stable());
+            is_same &= !stable.any(|candidate| kept.rows.entities.has_key(candidate.id.key));
+        }
+        if is_same {
+            self.step.fill_moving();
+        }
+        is_same && self.step.new_faults.is_empty()
+    }
+
+    /// Adds the colliders that are children of bodies that move, if there are so many children in all.
+    fn moving_children(&mut self, hierarchy: &Hierarchy, count: usize) -> bool {
+        let mut children = std::mem::take(&mut self.step.children);
+        let (kept, oddities) = (&self.step.kept, &mut self.step.oddities);
+        let has_hooks = self.rules.has_hooks;
+        let found = children.update(
+            &kept.moving_children,
+            &hierarchy.children,
+            &hierarchy.nodes,
+            |entity, surface| {
+                surface.note(entity, has_hooks, oddities);
+            },
+        );
+        let is_same = found.is_some_and(|found| count == kept.counts[1] + found);
+        self.step.children = children;
+        if is_same {
+            let indices = std::mem::take(&mut self.step.kept.moving_children);
+            self.children(indices.iter().copied());
+            self.step.kept.moving_children = indices;
+        }
+        is_same
     }
 
     /// Adds a body that is its only collider.
@@ -466,11 +574,12 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Adds the colliders that are children.
-    fn children(&mut self) {
+    /// Adds those colliders that are children which have these indices, ascending.
+    fn children(&mut self, indices: impl Iterator<Item = u32>) {
         let mut children = std::mem::take(&mut self.step.children);
-        let mut number = 0;
-        for child in children.all() {
+        let mut number = self.step.kept_assemblies;
+        for at in indices {
+            let child = &mut children.all()[at as usize];
             let Some(body) = child.body else {
                 self.fixed(child);
                 continue;

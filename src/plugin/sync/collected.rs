@@ -1,16 +1,15 @@
 //! The colliders, bodies and planes of a step.
 
 use super::order::Numbers;
+use super::split::Split;
 use crate::types::body::RigidBody;
 use bevy::prelude::*;
 use std::ops::Deref;
-use std::sync::Arc;
 
 /// The colliders, bodies and planes of a step.
 #[derive(Default)]
 pub(crate) struct Collected {
-    /// The colliders. Steps with the same ones share the list.
-    pub rows: Arc<Rows>,
+    pub rows: Rows,
     /// Entity of each plane.
     pub planes: Numbers,
 }
@@ -21,11 +20,36 @@ pub(crate) struct Rows {
     /// Entity of each collider.
     pub entities: Numbers,
     /// The body of each collider; without a body the collider itself.
-    pub bodies: Vec<Entity>,
+    pub bodies: Split<Entity>,
     /// Kind of the body of each collider.
-    pub kinds: Vec<RigidBody>,
-    /// Number of bodies.
-    pub body_count: usize,
+    pub kinds: Split<RigidBody>,
+    /// Number of static bodies, and of others.
+    pub body_counts: [usize; 2],
+}
+
+impl Rows {
+    /// Removes all, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.entities.clear();
+        self.bodies.clear();
+        self.kinds.clear();
+        self.body_counts = [0; 2];
+    }
+
+    /// What has been added so far is static.
+    pub fn end_fixed(&mut self) {
+        self.entities.end_fixed();
+        self.bodies.end_fixed();
+        self.kinds.end_fixed();
+    }
+
+    /// Takes the static ones of other rows.
+    pub fn begin_moving(&mut self, other: &Self) {
+        self.entities.begin_moving(&other.entities);
+        self.bodies.begin_moving(&other.bodies);
+        self.kinds.begin_moving(&other.kinds);
+        self.body_counts = [other.body_counts[0], 0];
+    }
 }
 
 impl Deref for Collected {
@@ -37,19 +61,6 @@ impl Deref for Collected {
 }
 
 impl Collected {
-    /// An empty list of colliders, to be filled, with the memory of these unless another step has them too.
-    pub fn new_rows(&mut self) -> &mut Rows {
-        if Arc::get_mut(&mut self.rows).is_none() {
-            self.rows = Arc::default();
-        }
-        let rows = Arc::make_mut(&mut self.rows);
-        rows.entities.clear();
-        rows.bodies.clear();
-        rows.kinds.clear();
-        rows.body_count = 0;
-        rows
-    }
-
     /// The body of a collider, or the plane itself, if it took part.
     pub fn body_of(&self, entity: Entity) -> Option<Entity> {
         match self.entities.number_of(entity) {

@@ -31,7 +31,7 @@ impl Numbered<'_> {
     /// A collider and its body, or a plane twice.
     fn entities(&self, number: u32) -> [Entity; 2] {
         let Collected { rows, planes } = self.collected;
-        let Rows { entities, bodies, .. } = &**rows;
+        let Rows { entities, bodies, .. } = rows;
         let i = number as usize;
         match i.checked_sub(entities.len()) {
             Some(plane) => [planes[plane]; 2],

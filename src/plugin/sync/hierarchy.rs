@@ -217,6 +217,14 @@ impl NestedBodies {
         std::mem::take(self)
     }
 
+    /// Takes those of some bodies, to be replaced by those of this step.
+    pub fn take_some(&mut self, bodies: &[Entity]) -> Self {
+        if self.0.is_empty() {
+            return Self::default();
+        }
+        Self(bodies.iter().filter_map(|body| self.0.remove_entry(body)).collect())
+    }
+
     /// Reads a body under other entities; `before` are those of the last step. A dynamic body keeps its pose in the world
     /// unless its own `Transform` was written. An unchanged pose keeps its bits.
     pub fn read(

@@ -1,13 +1,11 @@
-//! The colliders and bodies of the last step. Where this one has the same, only those that move are read again.
+//! What is static of the last step. Where this one has the same, only what moves is read again.
 
+use super::children::Child;
 use super::collected::Rows;
-use super::order::Keyed;
 use crate::state::Bodies;
 use crate::state::revision::Revision;
-use crate::types::body::RigidBody;
 use crate::types::settings::{Culling, Response};
 use bevy::prelude::*;
-use std::sync::Arc;
 
 /// So few bodies and colliders are read in less time than it takes to look for changes.
 const FEW: usize = 64;
@@ -25,13 +23,19 @@ pub(crate) struct ReadRules {
 pub(crate) struct Kept {
     /// The state of the static colliders; unknown if all are to be read again.
     revision: Revision,
-    rows: Arc<Rows>,
-    /// The bodies that move, each its own collider: their numbers, ascending.
-    movers: Vec<u32>,
-    /// The entities above others, without repetition.
+    /// The static colliders.
+    pub rows: Rows,
+    /// The bodies that are not static, ascending, whether or not the step has them.
+    pub movers: Vec<Entity>,
+    /// Their colliders on other entities, by their indices among the
+    /// [`ChildColliders`](super::children::ChildColliders).
+    pub moving_children: Vec<u32>,
+    /// The entities of these, ascending.
+    parts: Vec<Entity>,
+    /// The entities above static colliders and bodies, without repetition.
     pub above: Vec<Entity>,
-    /// Numbers of entities with colliders or bodies, and of colliders below others.
-    counts: [usize; 2],
+    /// Numbers of other bodies and colliders, and of other colliders below entities.
+    pub counts: [usize; 2],
     rules: ReadRules,
 }
 
@@ -41,42 +45,42 @@ impl Kept {
         self.revision = Revision::UNKNOWN;
     }
 
-    /// Whether a step with these bodies, rules and numbers of entities may have the same colliders.
-    pub fn may_hold(&self, bodies: &Bodies, rules: ReadRules, counts: [usize; 2]) -> bool {
-        counts[0] > FEW && self.revision.is(bodies.revision) && (self.rules, self.counts) == (rules, counts)
+    /// Whether a step with these rules may have the static colliders of `bodies`.
+    pub fn may_hold(&self, bodies: &Bodies, rules: ReadRules) -> bool {
+        self.revision.is(bodies.revision) && self.rules == rules
     }
 
-    /// Keeps what a step has read. Its `bodies` that move are their own colliders, and all of its colliders are valid.
-    pub fn keep(&mut self, bodies: &mut Bodies, rows: &Arc<Rows>, rules: ReadRules, counts: [usize; 2]) {
-        if counts[0] <= FEW {
+    /// Keeps what a step has read: its static colliders, and which of its `children` are parts of `movers`. All of its
+    /// colliders are valid. It has `counts` of bodies, colliders by themselves among them, and of colliders below entities.
+    pub fn keep(&mut self, bodies: &mut Bodies, rows: &Rows, children: &[Child], rules: ReadRules, counts: [usize; 2]) {
+        if counts.iter().sum::<usize>() <= FEW {
             return;
         }
         bodies.keep_static();
         self.revision = bodies.revision;
-        self.rows = Arc::clone(rows);
-        self.movers.clear();
-        self.movers.extend(bodies.movers().map(|i| i as u32));
-        (self.rules, self.counts) = (rules, counts);
+        self.rows.begin_moving(rows);
+        self.moving_children.clear();
+        self.parts.clear();
+        for (at, child) in (0..).zip(children) {
+            if child.body.is_some_and(|body| self.movers.binary_search(&body).is_ok()) {
+                self.moving_children.push(at);
+                self.parts.push(child.collider);
+            }
+        }
+        self.parts.sort_unstable();
+        self.counts = [counts[0] - self.movers.len(), counts[1] - self.parts.len()];
+        self.rules = rules;
     }
 
-    /// The colliders.
-    pub fn rows(&self) -> &Arc<Rows> {
-        &self.rows
-    }
-
-    /// The numbers of the bodies that move, ascending.
-    pub fn movers(&self) -> &[u32] {
-        &self.movers
-    }
-
-    /// The collider with this number.
-    pub fn keyed(&self, number: u32) -> Keyed {
-        self.rows.entities.keyed(number as usize)
-    }
-
-    /// Whether this is a collider that moves.
+    /// Whether this is a body that moves, or a collider of one.
     pub fn moves(&self, entity: Entity) -> bool {
-        let number = self.rows.entities.number_of(entity);
-        number.is_some_and(|number| self.rows.kinds[number] != RigidBody::Static)
+        self.movers.binary_search(&entity).is_ok() || self.parts.binary_search(&entity).is_ok()
+    }
+
+    /// Adds a body that moves.
+    pub fn add_mover(&mut self, entity: Entity) {
+        if let Err(at) = self.movers.binary_search(&entity) {
+            self.movers.insert(at, entity);
+        }
     }
 }

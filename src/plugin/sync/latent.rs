@@ -70,7 +70,7 @@ impl Latent {
     /// device.
     pub fn link(
         &mut self,
-        colliders: &[Entity],
+        colliders: impl Iterator<Item = Entity>,
         compounds: usize,
         bodies: impl Iterator<Item = (Row, Seen)>,
         resident: bool,
@@ -79,11 +79,12 @@ impl Latent {
         self.resident = resident;
         let before = std::mem::take(&mut self.shadows);
         self.colliders.clear();
-        self.colliders.extend_from_slice(colliders);
+        self.colliders.extend(colliders);
+        let count = self.colliders.len() + compounds;
         self.carried.clear();
-        self.carried.resize(colliders.len() + compounds, None);
+        self.carried.resize(count, None);
         self.woken.clear();
-        self.woken.resize(colliders.len() + compounds, false);
+        self.woken.resize(count, false);
         let mut last = before.iter().peekable();
         for (body, of_body) in bodies {
             let seen = &of_body.motion;

@@ -10,6 +10,7 @@ pub(crate) mod driven;
 pub(crate) mod entity_hooks;
 pub(crate) mod hierarchy;
 mod kept;
+mod key_order;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
 mod oddities;
@@ -21,6 +22,7 @@ pub(crate) mod release;
 #[cfg(feature = "gpu")]
 mod shadow;
 mod sheared;
+mod split;
 mod tables;
 
 use crate::asset::CollisionMesh;
@@ -72,6 +74,8 @@ pub(crate) struct Step {
     /// Scratch: bodies whose colliders are placed in them, ascending by entity, and these colliders.
     pub assemblies: Vec<Assembly>,
     pub parts: Vec<AssemblyPart>,
+    /// How many of the assemblies are static ones of earlier steps, where those are kept. They come first.
+    pub kept_assemblies: usize,
     /// Colliders below other entities.
     pub children: ChildColliders,
     /// Scratch: bodies that are not single colliders without a parent.
@@ -174,6 +178,7 @@ impl Step {
             candidates: Vec::new(),
             assemblies: Vec::new(),
             parts: Vec::new(),
+            kept_assemblies: 0,
             children: ChildColliders::default(),
             others: Vec::new(),
             nested: NestedBodies::default(),

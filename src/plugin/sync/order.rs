@@ -1,8 +1,10 @@
 //! The order of colliders, bodies and planes in a step. It is also what identifies colliders from step to step.
 
+use super::split::Split;
 use crate::plugin::components::StableKey;
 use bevy::prelude::*;
-use std::ops::Deref;
+use std::ops::Index;
+use std::sync::Arc;
 
 /// The bit that entities have and stable keys lack, so that bodies with a stable key come first.
 const OF_ENTITY: u64 = 1 << 63;
@@ -49,6 +51,16 @@ pub(crate) trait InOrder {
     fn id(&self) -> Keyed;
 
     fn id_mut(&mut self) -> &mut Keyed;
+
+    /// Whether it never moves.
+    fn is_static(&self) -> bool {
+        true
+    }
+}
+
+/// Puts what is static before what is not. Both keep their order.
+pub(crate) fn put_static_first<T: InOrder>(items: &mut [T]) {
+    items.sort_by_key(|item| !item.is_static());
 }
 
 /// Sorts items by their keys. Of those with the same stable key all but the first get the key of their entity, and are
@@ -70,20 +82,13 @@ pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
     }
 }
 
-/// Entities in the order of their keys, by number.
+/// Entities by number: static colliders in the order of their keys, then others in that order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Numbers {
-    entities: Vec<Entity>,
-    keys: Vec<u64>,
-    /// The numbers in the order of entities; empty if that is the order of the keys.
-    by_entity: Vec<u32>,
-}
-
-impl Deref for Numbers {
-    type Target = [Entity];
-    fn deref(&self) -> &[Entity] {
-        &self.entities
-    }
+    entities: Split<Entity>,
+    keys: Split<u64>,
+    /// The numbers of each part in the order of entities; empty if that is the order of the keys.
+    by_entity: [Arc<Vec<u32>>; 2],
 }
 
 impl Numbers {
@@ -91,28 +96,72 @@ impl Numbers {
     pub fn clear(&mut self) {
         self.entities.clear();
         self.keys.clear();
-        self.by_entity.clear();
     }
 
-    /// Adds one. Keys are ascending.
+    /// Adds one. Keys are ascending in each part.
     pub fn push(&mut self, Keyed { key, entity }: Keyed) {
         self.entities.push(entity);
         self.keys.push(key);
     }
 
-    /// To be called after the last one.
-    pub fn finish(&mut self) {
-        self.by_entity.clear();
-        if !self.entities.is_sorted() {
-            self.by_entity.extend(0..self.entities.len() as u32);
-            self.by_entity
-                .sort_unstable_by_key(|&number| self.entities[number as usize]);
-        }
+    /// What has been pushed so far is the part that rests.
+    pub fn end_fixed(&mut self) {
+        self.entities.end_fixed();
+        self.keys.end_fixed();
+        self.index(0);
     }
 
-    /// The keys, ascending.
-    pub fn keys(&self) -> &[u64] {
-        &self.keys
+    /// Takes the part that rests from another list.
+    pub fn begin_moving(&mut self, other: &Self) {
+        self.entities.begin_moving(&other.entities);
+        self.keys.begin_moving(&other.keys);
+        self.by_entity[0] = Arc::clone(&other.by_entity[0]);
+    }
+
+    /// To be called after the last one.
+    pub fn finish(&mut self) {
+        self.index(1);
+    }
+
+    /// Makes the index of a part.
+    fn index(&mut self, part: usize) {
+        let own = self.entities.parts()[part];
+        let by_entity = &mut self.by_entity[part];
+        if own.is_sorted() {
+            if !by_entity.is_empty() {
+                *by_entity = Arc::default();
+            }
+            return;
+        }
+        if Arc::get_mut(by_entity).is_none() {
+            *by_entity = Arc::default();
+        }
+        let by_entity = Arc::make_mut(by_entity);
+        by_entity.clear();
+        by_entity.extend(0..own.len() as u32);
+        by_entity.sort_unstable_by_key(|&number| own[number as usize]);
+    }
+
+    pub fn len(&self) -> usize {
+        self.entities.len()
+    }
+
+    pub fn get(&self, number: usize) -> Option<Entity> {
+        self.entities.get(number).copied()
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = Entity> + Clone + '_ {
+        self.entities.iter().copied()
+    }
+
+    /// The keys of both parts, each ascending.
+    pub fn keys(&self) -> [&[u64]; 2] {
+        self.keys.parts()
+    }
+
+    /// Whether one has this key.
+    pub fn has_key(&self, key: u64) -> bool {
+        self.keys().iter().any(|part| part.binary_search(&key).is_ok())
     }
 
     /// The one with this number.
@@ -125,11 +174,29 @@ impl Numbers {
 
     /// The number of an entity.
     pub fn number_of(&self, entity: Entity) -> Option<usize> {
-        if self.by_entity.is_empty() {
-            return self.entities.binary_search(&entity).ok();
-        }
-        let of = |&number: &u32| self.entities[number as usize];
-        let at = self.by_entity.binary_search_by_key(&entity, of).ok()?;
-        Some(self.by_entity[at] as usize)
+        let [fixed, moving] = self.entities.parts();
+        let find = |own: &[Entity], by_entity: &[u32]| {
+            if by_entity.is_empty() {
+                return own.binary_search(&entity).ok();
+            }
+            let of = |&number: &u32| own[number as usize];
+            let at = by_entity.binary_search_by_key(&entity, of).ok()?;
+            Some(by_entity[at] as usize)
+        };
+        let number = find(moving, &self.by_entity[1]).map(|number| fixed.len() + number);
+        number.or_else(|| find(fixed, &self.by_entity[0]))
+    }
+
+    /// How many are static.
+    pub fn fixed(&self) -> usize {
+        self.entities.parts()[0].len()
+    }
+}
+
+impl Index<usize> for Numbers {
+    type Output = Entity;
+
+    fn index(&self, number: usize) -> &Entity {
+        &self.entities[number]
     }
 }

@@ -2,6 +2,7 @@
 
 use super::collected::Collected;
 use super::hierarchy::{parent_in, sort_top_down, world_above};
+use super::key_order::put_in_key_order;
 use super::{Step, Touching};
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
 use crate::plugin::collisions::{Collisions, StepReport};
@@ -269,7 +270,7 @@ pub(crate) fn publish(
     }
     *report = StepReport {
         step: report.step + 1,
-        bodies: results.body_count,
+        bodies: results.body_counts.iter().sum(),
         colliders_read: step.candidates.len(),
         stages: step.state.results.times,
         total: std::time::Duration::ZERO,
@@ -289,6 +290,7 @@ pub(crate) fn publish(
         ..*report
     };
 
+    put_in_key_order(&mut step.state.results.contacts, &results.entities);
     let contacts = &step.state.results.contacts;
     let hold = seconds(*hysteresis);
     let pairs = contacts.pairs.iter().map(|pair| Touching {
@@ -405,7 +407,7 @@ fn is_near(collected: &Collected, input: &StepInput, pair: [Entity; 2]) -> bool 
         [Some(a), Some(b)] => bodies.center[a].distance(bodies.center[b]) <= bodies.radius[a] + bodies.radius[b],
         [Some(i), None] | [None, Some(i)] => {
             let mut planes = collected.planes.iter().zip(&input.planes);
-            let plane = planes.find(|&(entity, _)| pair.contains(entity));
+            let plane = planes.find(|&(entity, _)| pair.contains(&entity));
             plane.is_some_and(|(_, plane)| plane.normal.dot(bodies.center[i]) - plane.distance <= bodies.radius[i])
         }
         [None, None] => false,

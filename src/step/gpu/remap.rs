@@ -107,7 +107,7 @@ impl LastBodies {
         } = input;
         let count = bodies.len();
         let mut keys = Vec::new();
-        input.write_keys(&mut keys);
+        input.write_keys(&mut keys, 0);
         let (mut fast, mut has_fast_bodies) = (Vec::new(), false);
         let inputs = (0..count).map(|i| {
             if bodies.params[i].continuous {
@@ -129,9 +129,13 @@ impl LastBodies {
             ..BodyRemap::default()
         };
         let same_gravity = self.gravity == config.gravity;
-        for (i, before) in remap::previous_numbers(&self.keys, &keys).enumerate() {
+        for (i, before) in remap::previous_numbers(&self.keys, &keys).into_iter().enumerate() {
             let Some(before) = before else { continue };
-            remap.new_numbers[before as usize] = i as u32;
+            let is_static = |inputs: &SleepInputs| inputs.kind == RigidBody::Static;
+            // One that begins or ends to move has another place among the numbers, and its pairs are new.
+            if is_static(&sleep_inputs[i]) == is_static(&self.sleep_inputs[before as usize]) {
+                remap.new_numbers[before as usize] = i as u32;
+            }
             let sleeps = keeps_sleep(bodies, i, same_gravity);
             // Another scale or mesh may move the centre of mass.
             let (now, then) = (&sleep_inputs[i], &self.sleep_inputs[before as usize]);

@@ -66,7 +66,7 @@ impl SolverInput {
         } = state;
         let mut bodies = SolverBodies::default();
         let mut keys = Vec::new();
-        state.write_keys(&mut keys);
+        state.write_keys(&mut keys, 0);
         bodies.read(placed, planes, &keys);
         let count = placed.len();
         let flagged = if remap.has_fast_bodies { count } else { 0 };
