@@ -79,7 +79,7 @@ pub const GAMES: &[Game] = &[
     }),
     game("ten cubes in flight, none static", 64, |world| level(world, 0)),
     game("ten cubes in flight, 1,000 static", 64, |world| level(world, 1_000)),
-    game("ten cubes in flight, 100,000 static", 6000, |world| {
+    game("ten cubes in flight, 100,000 static", 256, |world| {
         level(world, 100_000)
     }),
     game("4,000 cubes asleep on a floor, ten in flight", 128, sleepers),

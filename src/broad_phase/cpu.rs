@@ -41,7 +41,7 @@ const MAX_STATIC_FILLS: usize = 12;
 const TASK: usize = 512;
 
 /// With fewer pairs than one for so many bodies, sorting by comparison takes less time than counting.
-const FEW: usize = 16;
+const BODIES_PER_PAIR: usize = 16;
 
 /// A body searches several levels of two grids. In a crowd about so many of these searches end early.
 const SEARCHES: usize = 4;
@@ -130,7 +130,7 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         unsorted.extend_from_slice(&finder.found);
         crowded.extend_from_slice(&finder.crowded);
     }
-    if unsorted.len() * FEW <= bodies.center.len() {
+    if unsorted.len() * BODIES_PER_PAIR <= bodies.center.len() {
         unsorted.sort_unstable();
         std::mem::swap(sphere_pairs, unsorted);
         return Crowd::of(crowded);

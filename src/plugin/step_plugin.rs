@@ -11,7 +11,7 @@ use crate::plugin::registration;
 use crate::plugin::renderer;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
-use crate::plugin::sync::changes::{Removed, note_removed};
+use crate::plugin::sync::changes::{note_enabled, note_removed};
 use crate::plugin::sync::{Step, collect, hierarchy, publish};
 #[cfg(feature = "gpu")]
 use crate::plugin::sync::{latent, release};
@@ -49,8 +49,8 @@ impl Plugin for StepPlugin {
             .init_resource::<SolverSettings>()
             .init_resource::<StepLimits>()
             .init_resource::<Collisions>()
-            .init_resource::<Removed>()
             .add_observer(note_removed)
+            .add_observer(note_enabled)
             .init_resource::<Time<Physics>>()
             .init_resource::<StepReport>()
             .add_message::<CollisionStart>()

@@ -1,7 +1,6 @@
 //! Names of states of the static colliders, so that a step does nothing for what has not changed.
 
 use std::num::NonZeroU64;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Names a state of all static colliders. Where two are [the same](Revision::is), no static collider has come, gone, moved or
 /// changed, and every collider has kept its number.
@@ -15,6 +14,7 @@ impl Revision {
     /// The name of a new state.
     #[cfg(feature = "bevy")]
     pub fn new() -> Self {
+        use std::sync::atomic::{AtomicU64, Ordering};
         static LAST: AtomicU64 = AtomicU64::new(0);
         Self(NonZeroU64::new(LAST.fetch_add(1, Ordering::Relaxed) + 1))
     }

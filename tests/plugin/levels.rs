@@ -413,6 +413,11 @@ fn bullets_come_and_go_beside_a_level_that_is_not_read() {
     let mut last = Vec::new();
     for i in 0..100 {
         let place = Transform::from_xyz(-5.0, 1.0 + 0.01 * i as f32, 5.0).with_scale(Vec3::splat(0.1));
+        // What has nothing to do with collisions comes and goes too.
+        let other = level
+            .sim
+            .spawn((Transform::default(), ChildOf(last.last().copied().unwrap_or(level.car))));
+        level.sim.world().despawn(other);
         let bullet = (RigidBody::Dynamic, cube.clone(), place, LinearVelocity(40.0 * Vec3::X));
         last.push(level.sim.spawn(bullet));
         if last.len() > 5 {

@@ -3,6 +3,7 @@
 //! One scan of Bevy's change ticks, component by component through contiguous memory: under a nanosecond for each body and
 //! component that it has.
 
+use super::Step;
 use super::kept::Kept;
 use crate::plugin::components::*;
 use crate::types::body::*;
@@ -15,22 +16,10 @@ use bevy::prelude::*;
 /// Colliders and bodies.
 type IsPart = Or<(With<RigidBody>, With<MeshCollider>)>;
 
-/// Entities that have lost a component since the last step. Bevy's `RemovedComponents` forget after two frames, and frames may be
-/// shorter than steps.
-#[derive(Resource, Default)]
-pub(crate) struct Removed {
-    entities: Vec<Entity>,
-    /// More than are worth a list.
-    many: bool,
-}
-
-/// The longest list of these.
-const MOST_REMOVED: usize = 4096;
-
 /// What a step reads.
 type Read = (
     (Transform, ChildOf, MeshCollider, RigidBody, StableKey),
-    (ColliderDisabled, RigidBodyDisabled, Teleport, Sensor, BodyCulling),
+    (Teleport, Sensor, BodyCulling),
     (Density, Restitution, Friction, CollisionLayers, ActiveCollisionHooks),
     (LinearVelocity, AngularVelocity, Mass, AngularInertia, GravityScale),
     (CenterOfMass, LockedAxes, ExternalForces, ContinuousCollision),
@@ -38,12 +27,22 @@ type Read = (
     (Sleeping, SleepingDisabled),
 );
 
-/// Notes entities that lose a component that a step reads.
-pub(crate) fn note_removed(removed: On<Remove, Read>, mut list: ResMut<Removed>) {
-    if list.entities.len() < MOST_REMOVED {
-        list.entities.push(removed.entity);
-    } else {
-        list.many = true;
+/// Notes that something static loses a component that a step reads. Bevy's `RemovedComponents` forget after two frames, and
+/// frames may be shorter than steps.
+pub(crate) fn note_removed(removed: On<Remove, Read>, step: Option<ResMut<Step>>) {
+    if let Some(mut step) = step
+        && step.kept.is_static(removed.entity)
+    {
+        step.kept.forget();
+    }
+}
+
+/// Notes that something is enabled that no step has read.
+pub(crate) fn note_enabled(enabled: On<Remove, (ColliderDisabled, RigidBodyDisabled)>, step: Option<ResMut<Step>>) {
+    if let Some(mut step) = step
+        && !step.kept.moves(enabled.entity)
+    {
+        step.kept.forget();
     }
 }
 
@@ -120,7 +119,6 @@ pub(crate) struct StaticChanges<'w, 's> {
     ),
     /// New bodies, and others whose kind has changed.
     kinds: Query<'w, 's, (Entity, Ref<'static, RigidBody>, Option<Ref<'static, Transform>>)>,
-    removed: ResMut<'w, Removed>,
     above: Query<'w, 's, (Option<Ref<'static, Transform>>, Option<Ref<'static, ChildOf>>)>,
 }
 
@@ -130,16 +128,13 @@ impl StaticChanges<'_, '_> {
         macro_rules! any {
             ($($group:ident: [$($index:tt)*])*) => { false $($(|| self.$group.$index.any_static(kept))*)* };
         }
-        let Removed { entities, many } = &*self.removed;
-        let has_lost = *many || entities.iter().any(|&entity| !kept.moves(entity));
         let has_changed = any! {
             place: [0 1 2 3 4 5]
             surface: [0 1 2 3 4 5 6]
             body: [0 1 2 3 4 5 6 7]
             handling: [0 1 2 3 4 5 6 7]
         };
-        has_lost
-            || has_changed
+        has_changed
             || kept.above.iter().any(|&entity| {
                 let Ok((transform, parent)) = self.above.get(entity) else {
                     return true;
@@ -175,11 +170,5 @@ impl StaticChanges<'_, '_> {
             }
         }
         true
-    }
-
-    /// Ends a step: what has been removed until now is known.
-    pub fn end(&mut self) {
-        self.removed.entities.clear();
-        self.removed.many = false;
     }
 }

@@ -80,7 +80,7 @@ pub(crate) fn collect(
     meshes: Meshes,
     time: Res<Time<Physics>>,
     rules: Rules,
-    mut changes: StaticChanges,
+    changes: StaticChanges,
     mut rejected: MessageWriter<BodyRejected>,
 ) {
     let step = &mut *step;
@@ -112,7 +112,6 @@ pub(crate) fn collect(
         && !meshes.meshes.is_changed()
         && changes.add_movers(&mut step.kept)
         && !changes.any(&step.kept);
-    changes.end();
     let mut reader = Reader {
         step,
         meshes: &meshes,

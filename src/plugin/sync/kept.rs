@@ -8,7 +8,7 @@ use crate::types::settings::{Culling, Response};
 use bevy::prelude::*;
 
 /// So few bodies and colliders are read in less time than it takes to look for changes.
-const FEW: usize = 64;
+const FEW_ENTITIES: usize = 64;
 
 /// The settings on which what is read of a body depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,7 +53,7 @@ impl Kept {
     /// Keeps what a step has read: its static colliders, and which of its `children` are parts of `movers`. All of its
     /// colliders are valid. It has `counts` of bodies, colliders by themselves among them, and of colliders below entities.
     pub fn keep(&mut self, bodies: &mut Bodies, rows: &Rows, children: &[Child], rules: ReadRules, counts: [usize; 2]) {
-        if counts.iter().sum::<usize>() <= FEW {
+        if counts.iter().sum::<usize>() <= FEW_ENTITIES {
             return;
         }
         bodies.keep_static();
@@ -75,6 +75,12 @@ impl Kept {
     /// Whether this is a body that moves, or a collider of one.
     pub fn moves(&self, entity: Entity) -> bool {
         self.movers.binary_search(&entity).is_ok() || self.parts.binary_search(&entity).is_ok()
+    }
+
+    /// Whether this is a static collider, or above one.
+    pub fn is_static(&self, entity: Entity) -> bool {
+        self.revision.is_known()
+            && (self.rows.entities.number_of(entity).is_some() || self.above.binary_search(&entity).is_ok())
     }
 
     /// Adds a body that moves.
