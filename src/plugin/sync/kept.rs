@@ -7,8 +7,10 @@ use crate::state::revision::Revision;
 use crate::types::settings::{Culling, Response};
 use bevy::prelude::*;
 
-/// So few bodies and colliders are read in less time than it takes to look for changes.
+/// So few static bodies and colliders are read in less time than it takes to look for changes.
 const FEW_ENTITIES: usize = 64;
+/// With more bodies that move for each one that is static, to read all takes no longer.
+const MOST_MOVERS: usize = 4;
 
 /// The settings on which what is read of a body depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,7 +55,9 @@ impl Kept {
     /// Keeps what a step has read: its static colliders, and which of its `children` are parts of `movers`. All of its
     /// colliders are valid. It has `counts` of bodies, colliders by themselves among them, and of colliders below entities.
     pub fn keep(&mut self, bodies: &mut Bodies, rows: &Rows, children: &[Child], rules: ReadRules, counts: [usize; 2]) {
-        if counts.iter().sum::<usize>() <= FEW_ENTITIES {
+        let movers = self.movers.len();
+        let fixed = counts.iter().sum::<usize>() - movers;
+        if fixed <= FEW_ENTITIES || fixed < movers / MOST_MOVERS {
             return;
         }
         bodies.keep_static();
