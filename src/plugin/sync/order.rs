@@ -58,9 +58,11 @@ pub(crate) trait InOrder {
     }
 }
 
-/// Puts what is static before what is not. Both keep their order.
+/// Puts what is static before what is not, each in the order of keys. Without memory of its own, unlike a stable sort.
 pub(crate) fn put_static_first<T: InOrder>(items: &mut [T]) {
-    items.sort_by_key(|item| !item.is_static());
+    if !items.is_sorted_by_key(|item| !item.is_static()) {
+        items.sort_unstable_by_key(|item| (!item.is_static(), item.id()));
+    }
 }
 
 /// Sorts items by their keys. Of those with the same stable key all but the first get the key of their entity, and are
