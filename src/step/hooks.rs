@@ -98,7 +98,8 @@ pub(super) fn filter_pairs(step: &mut StepState, number: u32, hooks: &mut dyn St
         if !may_wake {
             return is_tested;
         }
-        let keys = pair.map(|i| keys[i as usize]);
+        let mut keys = pair.map(|i| keys[i as usize]);
+        keys.sort_unstable();
         if !is_tested {
             left_out.keys.push(keys);
         }

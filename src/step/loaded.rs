@@ -5,6 +5,7 @@ use crate::solver::PLANE_KEY;
 use crate::state::manifolds::pair_order;
 use crate::state::memory_fault::MemoryFault;
 use crate::state::{ManifoldPoint, Manifolds};
+use crate::types::body::RigidBody;
 
 impl StepMemory {
     /// Checks what a step relies on, in this memory and in the manifolds of the same step. Wrong values that pass give
@@ -23,8 +24,13 @@ impl StepMemory {
         if count + planes > u32::MAX as usize {
             return Err(MemoryFault::Reference("planes"));
         }
-        let are_keys = self.keys.is_sorted_by(|one, next| one < next);
-        if !are_keys || self.keys.last().is_some_and(|&last| self.is_of_plane(last)) {
+        let mut sorted = self.keys.clone();
+        sorted.sort_unstable();
+        let are_keys =
+            sorted.is_sorted_by(|one, next| one < next) && sorted.last().is_none_or(|&last| !self.is_of_plane(last));
+        // Static colliders come first.
+        let places: Vec<_> = (0..count).map(|i| self.place(i, &self.keys)).collect();
+        if !are_keys || !places.is_sorted() {
             return Err(MemoryFault::Order("keys of colliders"));
         }
         for (i, saved) in self.bodies.iter().enumerate() {
@@ -65,6 +71,11 @@ impl StepMemory {
         }
     }
 
+    /// What decides the place of a collider among others, if they have these keys.
+    fn place(&self, i: usize, keys: &[u64]) -> (bool, u64) {
+        (self.bodies[i].inputs.inputs.kind != RigidBody::Static, keys[i])
+    }
+
     /// Whether a key is that of a plane.
     fn is_of_plane(&self, key: u64) -> bool {
         key > PLANE_KEY - self.planes.len() as u64
@@ -82,9 +93,10 @@ impl StepMemory {
             return;
         }
         let mut order: Vec<u32> = (0..keys.len() as u32).collect();
-        order.sort_unstable_by_key(|&number| keys[number as usize]);
-        let sorted: Vec<u64> = order.iter().map(|&number| keys[number as usize]).collect();
-        if !sorted.is_sorted_by(|one, next| one < next) || sorted.last().is_some_and(|&key| self.is_of_plane(key)) {
+        order.sort_unstable_by_key(|&number| self.place(number as usize, &keys));
+        let mut unique = keys.clone();
+        unique.sort_unstable();
+        if !unique.is_sorted_by(|one, next| one < next) || unique.last().is_some_and(|&key| self.is_of_plane(key)) {
             self.forget();
             manifolds.clear();
             return;
@@ -107,7 +119,7 @@ impl StepMemory {
             }
         });
         self.bodies = bodies.collect();
-        self.keys = sorted;
+        self.keys = order.iter().map(|&number| keys[number as usize]).collect();
         for pair in &mut self.left_out {
             *pair = pair.map(&new_key);
             pair.sort_unstable();
