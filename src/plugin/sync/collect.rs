@@ -119,67 +119,59 @@ pub(crate) fn collect(
         before: &before,
         misses_mesh: false,
     };
-    if is_same && reader.moving(&mut bodies, &hierarchy, counts) {
-        finish(
+    let is_same = is_same && reader.moving(&mut bodies, &hierarchy, counts);
+    let mut misses_mesh = false;
+    if !is_same {
+        step.new_faults.clear();
+        step.candidates.clear();
+        step.assemblies.clear();
+        step.parts.clear();
+        step.kept_assemblies = 0;
+        step.oddities.restart();
+        step.driven.take();
+        step.kept.forget();
+        step.kept.movers.clear();
+        let known = std::mem::replace(&mut before.nested, step.nested.take());
+        before.nested.0.extend(known.0);
+        let oddities = &mut step.oddities;
+        (step.children).find(&hierarchy.children, &hierarchy.nodes, |entity, surface| {
+            surface.note(entity, has_hooks, oddities);
+        });
+        let mut reader = Reader {
             step,
-            &mut bodies,
-            &plane_query,
-            &hierarchy,
-            &names,
-            &mut rejected,
-            has_hooks,
-        );
-        return;
-    }
-    step.new_faults.clear();
-    step.candidates.clear();
-    step.assemblies.clear();
-    step.parts.clear();
-    step.kept_assemblies = 0;
-    step.oddities.restart();
-    step.driven.take();
-    step.kept.forget();
-    step.kept.movers.clear();
-    let known = std::mem::replace(&mut before.nested, step.nested.take());
-    before.nested.0.extend(known.0);
-    let oddities = &mut step.oddities;
-    (step.children).find(&hierarchy.children, &hierarchy.nodes, |entity, surface| {
-        surface.note(entity, has_hooks, oddities);
-    });
-    let mut reader = Reader {
-        step,
-        meshes: &meshes,
-        rules: read_rules,
-        before: &before,
-        misses_mesh: false,
-    };
-    // Those that are not single bodies without a parent. They are few in most worlds.
-    let mut others = std::mem::take(&mut reader.step.others);
-    others.clear();
-    for mut body in &mut bodies {
-        if body.kind.is_some_and(|&kind| kind != RigidBody::Static) {
-            reader.step.kept.movers.push(body.entity);
+            meshes: &meshes,
+            rules: read_rules,
+            before: &before,
+            misses_mesh: false,
+        };
+        // Those that are not single bodies without a parent. They are few in most worlds.
+        let mut others = std::mem::take(&mut reader.step.others);
+        others.clear();
+        for mut body in &mut bodies {
+            if body.kind.is_some_and(|&kind| kind != RigidBody::Static) {
+                reader.step.kept.movers.push(body.entity);
+            }
+            reader.add(&mut body, &mut others);
         }
-        reader.add(&mut body, &mut others);
+        reader.step.kept.movers.sort_unstable();
+        reader.others(&mut bodies, &mut others, &hierarchy);
+        let all = 0..reader.step.children.all().len() as u32;
+        reader.children(all);
+        misses_mesh = reader.misses_mesh;
+        reader.step.others = others;
+        #[cfg(feature = "gpu")]
+        {
+            step.last_nested = before.nested;
+        }
+        // The order of a query depends on archetypes. That of keys does not.
+        order::sort(&mut step.candidates, |id| step.oddities.add_same_key(id));
+        step.fill();
+        let children = &step.children;
+        let moving = (hierarchy.bare.iter())
+            .filter(|&(entity, &kind)| kind != RigidBody::Static && !children.are_below(entity))
+            .filter(|&(entity, _)| !hierarchy.will_have_children(entity));
+        step.oddities.count_bare(moving.map(|(entity, _)| entity));
     }
-    reader.step.kept.movers.sort_unstable();
-    reader.others(&mut bodies, &mut others, &hierarchy);
-    let all = 0..reader.step.children.all().len() as u32;
-    reader.children(all);
-    let misses_mesh = reader.misses_mesh;
-    reader.step.others = others;
-    #[cfg(feature = "gpu")]
-    {
-        step.last_nested = before.nested;
-    }
-    // The order of a query depends on archetypes. That of keys does not.
-    order::sort(&mut step.candidates, |id| step.oddities.add_same_key(id));
-    step.fill();
-    let children = &step.children;
-    let moving = (hierarchy.bare.iter())
-        .filter(|&(entity, &kind)| kind != RigidBody::Static && !children.are_below(entity))
-        .filter(|&(entity, _)| !hierarchy.will_have_children(entity));
-    step.oddities.count_bare(moving.map(|(entity, _)| entity));
     finish(
         step,
         &mut bodies,
@@ -189,6 +181,9 @@ pub(crate) fn collect(
         &mut rejected,
         has_hooks,
     );
+    if is_same {
+        return;
+    }
 
     let is_complete = step.faults.is_empty() && !misses_mesh && step.tables.in_bake() == 0;
     if is_complete && step.oddities.were_none() && step.sheared.is_empty() && !step.engine.is_latent() {
