@@ -1,4 +1,4 @@
-//! BroadPhase on the CPU: one grid of moving bodies and one of static bodies, searched in parallel.
+//! BroadPhase on the CPU: a grid of moving bodies, one of static bodies and one of dormant ones, searched in parallel.
 
 mod counting_sort;
 pub(super) mod grid;
@@ -26,6 +26,10 @@ pub(crate) struct Scratch {
     static_grid: Grid,
     /// The state of the static bodies in their grid, and the margin of their radii.
     in_grid: (Revision, Option<f32>),
+    /// Dormant bodies. Some may have been roused since it was filled.
+    dormant_grid: Grid,
+    /// The set with which it was filled.
+    in_dormant_grid: Revision,
     members: Vec<u32>,
     found: Vec<Finder>,
     unsorted: Vec<[u32; 2]>,
@@ -54,6 +58,8 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         moving_grid,
         static_grid,
         in_grid,
+        dormant_grid,
+        in_dormant_grid,
         members,
         found,
         unsorted,
@@ -79,7 +85,7 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     }
     let is_known = in_grid.0.is(bodies.revision) && in_grid.1 == bodies.static_margin;
     *in_grid = (bodies.revision, bodies.static_margin);
-    let count = kind.len() - bodies.movers().count();
+    let count = kind.len() - bodies.dormant.count - bodies.movers().count();
     if !is_known && !static_grid.holds(count, is_static, center, speculative_radius) {
         members.clear();
         members.extend(all.clone().filter(|&i| is_static(i as usize)));
@@ -90,8 +96,20 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         }
     }
 
+    if !bodies.dormant.filled.is(*in_dormant_grid) {
+        *in_dormant_grid = bodies.dormant.filled;
+        members.clear();
+        members.extend(all.clone().filter(|&i| bodies.dormant.has(i as usize)));
+        for _ in 0..MAX_STATIC_FILLS {
+            if !dormant_grid.fill(members, center, speculative_radius) {
+                break;
+            }
+        }
+    }
+
     let tasks = moving_grid.ids.len().div_ceil(TASK);
-    let all_tasks = tasks + static_tasks(static_grid, moving_grid);
+    let still_tasks = [&*static_grid, dormant_grid].map(|still| still_tasks(still, moving_grid));
+    let all_tasks = tasks + still_tasks.iter().sum::<usize>();
     if found.len() < all_tasks {
         found.resize_with(all_tasks, Finder::default);
     }
@@ -100,7 +118,13 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         in_all: limit,
         per_search,
     };
-    if search(bodies, [&*moving_grid, &*static_grid], found, within_limit(usize::MAX)) > limit {
+    let grids = [&*moving_grid, &*static_grid, &*dormant_grid];
+    if search(bodies, grids, found, within_limit(usize::MAX)) > limit {
+        if bodies.dormant.count > 0 {
+            // The caller searches again without dormant bodies.
+            sphere_pairs.clear();
+            return Crowd::of(vec![0]);
+        }
         // All pairs are the same in any order of the grids, but those of searches that end early are not.
         for (grid, wants_static) in [(&mut *moving_grid, false), (&mut *static_grid, true)] {
             if wants_static && grid.is_canonical() {
@@ -111,7 +135,8 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
             members.extend(all.clone().filter(is_member));
             grid.fill_canonically(members, center, speculative_radius);
         }
-        let mut search = |most| search(bodies, [&*moving_grid, &*static_grid], found, most);
+        let grids = [&*moving_grid, &*static_grid, &*dormant_grid];
+        let mut search = |most| search(bodies, grids, found, most);
         let mut per_search = (limit / (SEARCHES * bodies.center.len())).max(1);
         // Bodies outside the crowd have few partners, and lose none of them once this is more.
         while search(within_limit(2 * per_search)) <= limit {
@@ -143,19 +168,21 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     Crowd::of(crowded)
 }
 
-/// Number of tasks in which static bodies search for moving ones of coarser levels.
-fn static_tasks(static_grid: &Grid, moving_grid: &Grid) -> usize {
-    let coarsest = moving_grid.levels.last().map_or(0, |level| level.number);
-    let mut searching = static_grid.levels.iter().filter(|level| level.number < coarsest);
+/// Number of tasks in which bodies that do not move search for moving ones of coarser levels.
+fn still_tasks(still: &Grid, moving: &Grid) -> usize {
+    let coarsest = moving.levels.last().map_or(0, |level| level.number);
+    let mut searching = still.levels.iter().filter(|level| level.number < coarsest);
     match searching.next() {
-        Some(_) => static_grid.ids.len().div_ceil(TASK),
+        Some(_) => still.ids.len().div_ceil(TASK),
         None => 0,
     }
 }
 
-/// Searches the grids of moving and of static bodies, and returns the number of pairs, or a number above the limit.
-fn search(bodies: &Bodies, [moving, still]: [&Grid; 2], found: &mut [Finder], most: MostPairs) -> usize {
+/// Searches the grids of moving, of static and of dormant bodies, and returns the number of pairs, or a number above the limit.
+fn search(bodies: &Bodies, [moving, fixed, dormant]: [&Grid; 3], found: &mut [Finder], most: MostPairs) -> usize {
     let tasks = moving.ids.len().div_ceil(TASK);
+    let fixed_tasks = still_tasks(fixed, moving);
+    let is_dormant = |i: u32| bodies.dormant.has(i as usize);
     let total = AtomicUsize::new(0);
     loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
         let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
@@ -164,9 +191,15 @@ fn search(bodies: &Bodies, [moving, still]: [&Grid; 2], found: &mut [Finder], mo
             return;
         }
         if task < tasks {
-            finder.moving_pairs(moving, still, range(task, moving), bodies);
+            let own = range(task, moving);
+            finder.moving_pairs(moving, own.clone(), bodies);
+            finder.pairs_with_still([moving, fixed], own.clone(), bodies, |_| true);
+            finder.pairs_with_still([moving, dormant], own, bodies, is_dormant);
+        } else if task - tasks < fixed_tasks {
+            finder.still_pairs(fixed, moving, range(task - tasks, fixed), bodies, |_| true);
         } else {
-            finder.static_pairs(still, moving, range(task - tasks, still), bodies);
+            let own = range(task - tasks - fixed_tasks, dormant);
+            finder.still_pairs(dormant, moving, own, bodies, is_dormant);
         }
         total.fetch_add(finder.found.len(), Ordering::Relaxed);
     });
@@ -223,9 +256,9 @@ impl Finder {
         self.found.len() > self.most.in_all
     }
 
-    /// Finds the pairs of the moving bodies in `range`, in grid order: with moving bodies of coarser levels, with later
-    /// ones of their own level, and with static bodies of their own and coarser levels.
-    fn moving_pairs(&mut self, moving_grid: &Grid, static_grid: &Grid, range: Range<usize>, bodies: &Bodies) {
+    /// Finds the pairs of the moving bodies in `range`, in grid order, with moving bodies of coarser levels, and with later ones of
+    /// their own level.
+    fn moving_pairs(&mut self, moving_grid: &Grid, range: Range<usize>, bodies: &Bodies) {
         for (at, own) in moving_grid.levels.iter().enumerate() {
             let some = own.part_of(&range);
             if some.is_empty() {
@@ -233,29 +266,67 @@ impl Finder {
             }
             if own.is_coarsened {
                 // Each pair once, from the body that comes first.
-                self.search_level([moving_grid, moving_grid], own, some.clone(), bodies, |i| i + 1);
+                self.search_level([moving_grid; 2], own, some.clone(), bodies, |i| i + 1, |_| true);
             } else {
                 self.own_level(moving_grid, own, some.clone(), bodies);
             }
             for level in &moving_grid.levels[at + 1..] {
-                self.search_level([moving_grid, moving_grid], level, some.clone(), bodies, |_| 0);
-            }
-            for level in static_grid.levels.iter().filter(|level| level.number >= own.number) {
-                self.search_level([moving_grid, static_grid], level, some.clone(), bodies, |_| 0);
+                self.search_level([moving_grid; 2], level, some.clone(), bodies, |_| 0, |_| true);
             }
         }
     }
 
-    /// Finds the pairs of the static bodies in `range` with moving bodies of coarser levels. Two static bodies never
-    /// collide.
-    fn static_pairs(&mut self, static_grid: &Grid, moving_grid: &Grid, range: Range<usize>, bodies: &Bodies) {
-        for own in &static_grid.levels {
+    /// Finds the pairs of the moving bodies in `range` with others of their own and coarser levels that do not move, and that
+    /// `count`.
+    fn pairs_with_still(
+        &mut self,
+        [moving, still]: [&Grid; 2],
+        range: Range<usize>,
+        bodies: &Bodies,
+        counts: impl Fn(u32) -> bool,
+    ) {
+        for own in &moving.levels {
             let some = own.part_of(&range);
             if some.is_empty() {
                 continue;
             }
-            for level in moving_grid.levels.iter().filter(|level| level.number > own.number) {
-                self.search_level([static_grid, moving_grid], level, some.clone(), bodies, |_| 0);
+            for level in still.levels.iter().filter(|level| level.number >= own.number) {
+                self.search_level(
+                    [moving, still],
+                    level,
+                    some.clone(),
+                    bodies,
+                    |_| 0,
+                    |[_, j]| counts(still.ids[j]),
+                );
+            }
+        }
+    }
+
+    /// Finds the pairs of the bodies in `range` that do not move, and `count`, with moving bodies of coarser levels. Two that do
+    /// not move never collide.
+    fn still_pairs(
+        &mut self,
+        still: &Grid,
+        moving: &Grid,
+        range: Range<usize>,
+        bodies: &Bodies,
+        counts: impl Fn(u32) -> bool,
+    ) {
+        for own in &still.levels {
+            let some = own.part_of(&range);
+            if some.is_empty() {
+                continue;
+            }
+            for level in moving.levels.iter().filter(|level| level.number > own.number) {
+                self.search_level(
+                    [still, moving],
+                    level,
+                    some.clone(),
+                    bodies,
+                    |_| 0,
+                    |[i, _]| counts(still.ids[i]),
+                );
             }
         }
     }
@@ -282,7 +353,7 @@ impl Finder {
     }
 
     /// Tests each body of the first grid against the bodies from `first` on in the cells of a level of the second that
-    /// its sphere may overlap.
+    /// its sphere may overlap, where the pair `counts`.
     fn search_level(
         &mut self,
         [own, other]: [&Grid; 2],
@@ -290,6 +361,7 @@ impl Finder {
         range: Range<usize>,
         bodies: &Bodies,
         first: impl Fn(usize) -> usize,
+        counts: impl Fn([usize; 2]) -> bool,
     ) {
         let mut cells = None;
         for i in range {
@@ -303,7 +375,7 @@ impl Finder {
             let (found, crowded) = (&mut self.found, &mut self.crowded);
             for run in &self.runs {
                 other.overlaps(sphere, run.start.max(first(i))..run.end, |j| {
-                    add([own.ids[i], other.ids[j]], bodies, end, found, crowded)
+                    !counts([i, j]) || add([own.ids[i], other.ids[j]], bodies, end, found, crowded)
                 });
             }
             if self.is_full() {

@@ -64,6 +64,23 @@ impl Touches {
         }
     }
 
+    /// Puts back the touches of bodies that slept in the first collision substep, as [`Touches::report`] has reported them.
+    pub fn put_back(&mut self, contacts: &Contacts, first_plane: u32) {
+        let pairs = contacts
+            .pairs
+            .iter()
+            .map(|pair| (pair.bodies, contacts.points_of(pair)));
+        let planes = contacts.planes.iter();
+        let planes = planes.map(|plane| ([plane.body, first_plane + plane.plane], contacts.points_on(plane)));
+        for (bodies, points) in pairs.chain(planes) {
+            self.all.extend(points.iter().map(|&point| Touch {
+                bodies,
+                point,
+                passing: false,
+            }));
+        }
+    }
+
     /// Records a pair of a sensor and another body that touch on their paths.
     pub fn record_sensor(&mut self, bodies: [u32; 2], contact: Contact) {
         self.all.push(Touch {

@@ -3,6 +3,7 @@
 use crate::manifolds::{ManifoldPoint, Manifolds};
 use crate::plugin::sync::Rows;
 use crate::plugin::sync::order::Numbers;
+use crate::state::manifolds::pair_order;
 use crate::state::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 use crate::types::gpu_work::GpuWork;
 use crate::types::stage::Stage;
@@ -36,6 +37,11 @@ pub struct Collisions {
     pub(crate) contacts: Contacts,
     #[reflect(ignore)]
     pub(crate) manifolds: Manifolds,
+    /// Those of dormant bodies, which are not among these.
+    #[reflect(ignore)]
+    pub(crate) dormant_contacts: Contacts,
+    #[reflect(ignore)]
+    pub(crate) dormant_manifolds: Manifolds,
 }
 
 /// Two colliders that touch, or a collider and a plane.
@@ -84,16 +90,34 @@ pub struct Collision<'a> {
 impl Collisions {
     /// All touching pairs in ascending order: first pairs of colliders, then colliders with planes.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision<'_>> {
-        let Contacts { pairs, planes, .. } = &self.contacts;
-        (0..self.len()).map(move |i| match pairs.get(i) {
-            Some(pair) => self.collision(pair),
-            None => self.on_plane(&planes[i - pairs.len()]),
-        })
+        Iter {
+            collisions: self,
+            pairs: Merged(self.both().map(|some| &some.pairs[..])),
+            planes: Merged(self.both().map(|some| &some.planes[..])),
+        }
+    }
+
+    /// The contacts of bodies that were in the last step, and of those for which it did nothing.
+    fn both(&self) -> [&Contacts; 2] {
+        [&self.contacts, &self.dormant_contacts]
     }
 
     /// Number of touching pairs.
     pub fn len(&self) -> usize {
-        self.contacts.pairs.len() + self.contacts.planes.len()
+        let count = |contacts: &Contacts| contacts.pairs.len() + contacts.planes.len();
+        self.both().map(count).iter().sum()
+    }
+
+    /// Number of pairs with contact points.
+    #[cfg(feature = "debug_panel")]
+    pub(crate) fn manifold_count(&self) -> usize {
+        self.manifolds.pairs.len() + self.dormant_manifolds.pairs.len()
+    }
+
+    /// Number of colliders that touch planes, for each plane.
+    #[cfg(feature = "debug_panel")]
+    pub(crate) fn plane_pairs(&self) -> usize {
+        self.both().map(|contacts| contacts.planes.len()).iter().sum()
     }
 
     /// Whether no pair touches.
@@ -113,16 +137,20 @@ impl Collisions {
             (Some(i), Some(j)) => {
                 let [i, j] = [key(i), key(j)];
                 let wanted = [i.min(j), i.max(j)];
-                let pairs = &self.contacts.pairs;
-                let found = pairs.binary_search_by_key(&wanted, |pair| pair.bodies.map(key)).ok()?;
-                Some(self.collision(&pairs[found]))
+                self.both().into_iter().find_map(|contacts| {
+                    let pairs = &contacts.pairs;
+                    let found = pairs.binary_search_by_key(&wanted, |pair| pair.bodies.map(key)).ok()?;
+                    Some(self.collision(contacts, &pairs[found]))
+                })
             }
             (Some(i), None) | (None, Some(i)) => {
                 let plane = find(&self.planes, other).or_else(|| find(&self.planes, one))?;
-                let planes = &self.contacts.planes;
                 let wanted = (key(i), plane);
-                let found = planes.binary_search_by_key(&wanted, |c| (key(c.body), c.plane)).ok()?;
-                Some(self.on_plane(&planes[found]))
+                self.both().into_iter().find_map(|contacts| {
+                    let planes = &contacts.planes;
+                    let found = planes.binary_search_by_key(&wanted, |c| (key(c.body), c.plane)).ok()?;
+                    Some(self.on_plane(contacts, &planes[found]))
+                })
             }
             (None, None) => None,
         }
@@ -141,7 +169,7 @@ impl Collisions {
         Some(self.rows.bodies[at])
     }
 
-    fn collision<'a>(&'a self, pair: &PairContact) -> Collision<'a> {
+    fn collision<'a>(&'a self, contacts: &'a Contacts, pair: &PairContact) -> Collision<'a> {
         let [collider1, collider2] = pair.bodies.map(|i| self.rows.entities[i as usize]);
         let [body1, body2] = pair.bodies.map(|i| self.rows.bodies[i as usize]);
         Collision {
@@ -151,14 +179,14 @@ impl Collisions {
             body2,
             contained: pair.contained,
             contact: pair.contact,
-            faces: self.contacts.lists_faces.then(|| self.contacts.faces_of(pair)),
-            points: self.contacts.points_of(pair),
+            faces: self.contacts.lists_faces.then(|| contacts.faces_of(pair)),
+            points: contacts.points_of(pair),
             impulse: pair.impulse,
             passing: pair.passing,
         }
     }
 
-    fn on_plane<'a>(&'a self, contact: &PlaneContact) -> Collision<'a> {
+    fn on_plane<'a>(&'a self, contacts: &'a Contacts, contact: &PlaneContact) -> Collision<'a> {
         let plane = self.planes[contact.plane as usize];
         Collision {
             collider1: self.rows.entities[contact.body as usize],
@@ -171,7 +199,7 @@ impl Collisions {
                 normal: contact.normal,
             },
             faces: self.contacts.lists_faces.then_some(&[]),
-            points: self.contacts.points_on(contact),
+            points: contacts.points_on(contact),
             impulse: contact.impulse,
             passing: false,
         }
@@ -218,11 +246,62 @@ impl Collisions {
                 self.planes[i - bodies]
             }
         };
-        let pairs = self.manifolds.pairs.iter();
-        pairs.map(move |pair| {
+        let both = [&self.manifolds, &self.dormant_manifolds];
+        let mut pairs = Merged(both.map(|some| &some.pairs[..]));
+        let first_plane = self.rows.entities.len() as u32;
+        std::iter::from_fn(move || {
+            let (at, pair) = pairs.next(|pair| pair_order(pair.bodies, first_plane))?;
             let [a, b] = pair.bodies.map(entity);
-            (a, b, self.manifolds.points_of(pair))
+            Some((a, b, both[at].points_of(pair)))
         })
+    }
+}
+
+/// The collisions that [`Collisions::iter`] has not passed yet.
+struct Iter<'a> {
+    collisions: &'a Collisions,
+    pairs: Merged<'a, PairContact>,
+    planes: Merged<'a, PlaneContact>,
+}
+
+impl<'a> Iterator for Iter<'a> {
+    type Item = Collision<'a>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let own = self.collisions;
+        let key = |i: u32| own.rows.entities.keyed(i as usize);
+        if let Some((at, pair)) = self.pairs.next(|pair| pair.bodies.map(key)) {
+            return Some(own.collision(own.both()[at], pair));
+        }
+        let (at, plane) = self.planes.next(|contact| (key(contact.body), contact.plane))?;
+        Some(own.on_plane(own.both()[at], plane))
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = self.pairs.len() + self.planes.len();
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for Iter<'_> {}
+
+/// What is left of two ascending lists.
+struct Merged<'a, T>([&'a [T]; 2]);
+
+impl<'a, T> Merged<'a, T> {
+    fn len(&self) -> usize {
+        self.0.iter().map(|list| list.len()).sum()
+    }
+
+    /// The next element in the order of `key`, and in which list it is.
+    fn next<K: Ord>(&mut self, key: impl Fn(&T) -> K) -> Option<(usize, &'a T)> {
+        let at = match self.0.map(|list| list.first()) {
+            [Some(a), Some(b)] => usize::from(key(a) > key(b)),
+            [a, _] => usize::from(a.is_none()),
+        };
+        let (next, rest) = self.0[at].split_first()?;
+        self.0[at] = rest;
+        Some((at, next))
     }
 }
 
@@ -234,8 +313,8 @@ pub struct StepReport {
     pub step: u64,
     /// Number of bodies in the step.
     pub bodies: usize,
-    /// Colliders whose components the step has read: all of them, or only those of bodies that move, if nothing else has
-    /// changed since the last step.
+    /// Colliders whose components the step has read: all of them, or only those of bodies that are neither static nor
+    /// [dormant](Self::dormant), if nothing else has changed since the last step.
     pub colliders_read: usize,
     /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, the GPU's own time on a GPU. Zero on a GPU
     /// without timestamp queries.
@@ -266,6 +345,9 @@ pub struct StepReport {
     pub mean_collision_substeps: f32,
     /// Number of bodies asleep.
     pub sleeping: usize,
+    /// Number of bodies among them for which the step did nothing, because nothing that is awake is near. They are not read,
+    /// but their contacts and pairs are counted.
+    pub dormant: usize,
     /// Number of pairs of triangles that were tested because their bounding boxes overlap.
     pub triangle_tests: u64,
     /// Number of intersecting face pairs.
@@ -312,6 +394,7 @@ impl fmt::Debug for StepReport {
             collision_substeps,
             mean_collision_substeps,
             sleeping,
+            dormant,
             triangle_tests,
             face_pairs,
             parallel_stages,
@@ -338,6 +421,7 @@ impl fmt::Debug for StepReport {
             .field("collision_substeps", collision_substeps)
             .field("mean_collision_substeps", mean_collision_substeps)
             .field("sleeping", sleeping)
+            .field("dormant", dormant)
             .field("triangle_tests", triangle_tests)
             .field("face_pairs", face_pairs)
             .field("parallel_stages", parallel_stages)

@@ -1,7 +1,7 @@
 //! Conversion between the bodies of a step and those of the solver.
 
 use super::bodies::SolverPart;
-use super::bodies::{SolverBodies, SolverBody, SolverMotion};
+use super::bodies::{SleepState, SolverBodies, SolverBody, SolverMotion, Statics};
 use crate::state::bodies::MAX_ACCELERATION;
 use crate::state::fault::MAX_SPEED;
 use crate::state::mesh_arena::MeshArena;
@@ -20,9 +20,12 @@ impl SolverBodies {
     /// If there are fewer `keys` than bodies.
     pub fn read(&mut self, bodies: &Bodies, planes: &[Plane], keys: &[u64]) {
         let is_known = self.revision.is(bodies.revision);
-        if is_known {
+        self.parts.clear();
+        if is_known && self.layout.is(bodies.layout) {
+            self.truncate(bodies.len());
+            bodies.movers().for_each(|i| self.set(i, bodies));
+        } else if is_known {
             self.truncate(bodies.static_count);
-            self.parts.clear();
         } else {
             self.clear();
         }
@@ -45,6 +48,10 @@ impl SolverBodies {
             self.moving.extend_from_slice(&bodies.moving);
             self.colliders = self.len();
             self.revision = bodies.revision;
+            self.layout = bodies.layout;
+            if !self.dormant_name.is(bodies.dormant.name) {
+                self.count_dormant(bodies);
+            }
         }
         for (i, plane) in planes.iter().enumerate() {
             let body = SolverBody {
@@ -57,6 +64,29 @@ impl SolverBodies {
             };
             let center = plane.normal.as_dvec3() * plane.distance as f64;
             self.push(PLANE_KEY - i as u64, body, SolverMotion::at(center));
+        }
+    }
+
+    /// Replaces body `i` by that of a step, which is awake.
+    fn set(&mut self, i: usize, bodies: &Bodies) {
+        self.bodies[i] = collider_of(bodies, i);
+        self.motions[i] = collider_motion(bodies, i);
+        self.forces[i] = bodies.params[i].forces;
+        self.sleep[i] = SleepState::default();
+    }
+
+    /// Takes the present list of movers, some of which were dormant.
+    pub(crate) fn take_movers(&mut self, bodies: &Bodies) {
+        self.moving.clear();
+        self.moving.extend_from_slice(&bodies.moving);
+        self.count_dormant(bodies);
+    }
+
+    fn count_dormant(&mut self, bodies: &Bodies) {
+        self.dormant_name = bodies.dormant.name;
+        self.dormant = Statics::default();
+        for (body, _) in self.bodies.iter().zip(&bodies.dormant.flags).filter(|(_, flag)| **flag) {
+            self.dormant.include(body);
         }
     }
 

@@ -221,7 +221,7 @@ pub struct SolverBodies {
     pub(crate) parts: Vec<SolverPart>,
     /// Finds a collider among `parts`.
     pub(super) part_index: PartIndex,
-    /// Those that are not static, ascending, where `revision` is known.
+    /// Those that are neither static nor dormant, ascending, where `revision` is known.
     pub(super) moving: Vec<u32>,
     /// What there is of static colliders, where `revision` is known.
     pub(super) statics: Statics,
@@ -229,6 +229,11 @@ pub struct SolverBodies {
     pub(super) colliders: usize,
     /// The state of the static bodies.
     pub(super) revision: Revision,
+    /// Names which collider has which number.
+    pub(super) layout: Revision,
+    /// What there is of dormant bodies, in the set with this name.
+    pub(super) dormant: Statics,
+    pub(super) dormant_name: Revision,
 }
 
 /// What there is of static bodies.
@@ -293,11 +298,17 @@ impl SolverBodies {
             statics,
             colliders,
             revision,
+            layout,
+            dormant,
+            dormant_name,
         } = self;
         moving.clear();
         *colliders = 0;
         *statics = Statics::default();
         *revision = Revision::UNKNOWN;
+        *layout = Revision::UNKNOWN;
+        *dormant = Statics::default();
+        *dormant_name = Revision::UNKNOWN;
         keys.clear();
         bodies.clear();
         motions.clear();
@@ -307,7 +318,7 @@ impl SolverBodies {
         part_index.clear();
     }
 
-    /// The numbers of those that are not static, ascending.
+    /// The numbers of those that are neither static nor dormant, ascending.
     pub(crate) fn movers(&self) -> impl Iterator<Item = usize> + Clone + '_ {
         let (listed, all) = match self.revision.is_known() {
             true => (&self.moving[..], 0..0),
@@ -317,7 +328,7 @@ impl SolverBodies {
         listed.iter().map(|&i| i as usize).chain(all.filter(moves))
     }
 
-    /// Calls `f` with the number of each that is not static, ascending.
+    /// Calls `f` with each of [`SolverBodies::movers`].
     pub(crate) fn for_each_mover(&mut self, mut f: impl FnMut(&mut Self, usize)) {
         if self.revision.is_known() {
             let moving = std::mem::take(&mut self.moving);
@@ -340,6 +351,18 @@ impl SolverBodies {
     /// How many bodies are static, and come first, where their state is known.
     pub(super) fn static_count(&self) -> usize {
         self.moving.first().map_or(self.colliders, |&first| first as usize)
+    }
+
+    /// Names which collider has which number.
+    pub(crate) fn layout(&self) -> Revision {
+        self.layout
+    }
+
+    /// The thickness of the thinnest solid body that does not move, metres, and whether there is one.
+    pub(super) fn still(&self) -> (f32, bool) {
+        let statics = self.statics();
+        let thinnest = statics.thinnest.min(self.dormant.thinnest);
+        (thinnest, statics.solid || self.dormant.solid)
     }
 
     /// What there is of static bodies.

@@ -50,12 +50,11 @@ impl Speeds {
         for i in bodies.movers().filter(|&i| !skip(i)) {
             speeds.include(bodies, i, dt);
         }
-        let statics = bodies.statics();
-        if statics.solid {
+        if bodies.still().1 {
             speeds.add(Vec3::ZERO);
         }
         // A static sensor counts as well: speeds of bodies that pass it are relative to it.
-        speeds.has_static = statics.any;
+        speeds.has_static = bodies.statics().any;
         speeds
     }
 
@@ -160,9 +159,7 @@ impl Speeds {
     /// each other than [`SolverSettings::collision_substep_travel`] of the thinnest body.
     pub fn collision_substeps(&self, settings: &SolverSettings, bodies: &SolverBodies, dt: f32) -> u32 {
         let solid = bodies.movers().map(|i| &bodies.bodies[i]).filter(|body| body.solid);
-        let thinnest = solid
-            .map(|body| body.thickness)
-            .fold(bodies.statics().thinnest, f32::min);
+        let thinnest = solid.map(|body| body.thickness).fold(bodies.still().0, f32::min);
         self.collision_substeps_for(settings, thinnest, dt)
     }
 

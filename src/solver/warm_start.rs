@@ -6,6 +6,7 @@ use super::contact::Point;
 use super::motion::unit;
 use crate::parallel::loops;
 use crate::state::ManifoldPoint;
+use crate::state::merge::merge;
 use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -91,6 +92,35 @@ impl WarmStart {
 
     fn points_of(&self, pair: &SavedPair) -> &[SavedPoint] {
         &self.points[pair.first as usize..][..pair.count as usize]
+    }
+
+    /// Those of the pairs that are `wanted`, by their keys.
+    pub(crate) fn select(&self, wanted: impl Fn([u64; 2]) -> bool) -> Self {
+        let mut some = Self::default();
+        for pair in self.pairs.iter().filter(|pair| wanted(pair.keys)) {
+            some.add_pair(pair, self);
+        }
+        some
+    }
+
+    /// These and others, in order.
+    pub(crate) fn merged(&self, others: &Self) -> Self {
+        let mut all = Self::default();
+        let pairs = [self, others].map(|some| some.pairs.iter().map(move |pair| (pair, some)));
+        merge(
+            pairs,
+            |&(pair, _): &(&SavedPair, &Self)| pair.keys,
+            |(pair, from)| all.add_pair(pair, from),
+        );
+        all
+    }
+
+    fn add_pair(&mut self, pair: &SavedPair, from: &Self) {
+        self.pairs.push(SavedPair {
+            first: self.points.len() as u32,
+            ..*pair
+        });
+        self.points.extend_from_slice(from.points_of(pair));
     }
 
     /// Saves the impulses at the end of a collision substep. `before` are those from its start; pairs that were not

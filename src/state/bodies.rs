@@ -6,7 +6,9 @@
 //! Stages that move bodies work on bodies: the solver, sleep and integration.
 
 use super::body::{Body, BodyParams, Motion};
+use super::columns::Row;
 use super::compound::{Compound, Part};
+use super::dormant_set::DormantSet;
 use super::fault::{BodyFault, MAX_GRAVITY_SCALE, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
 use super::part_index::PartIndex;
@@ -91,6 +93,10 @@ pub struct Bodies {
     /// The contact margin with which their speculative radii were set; see
     /// [`SpeculativeMargins`](super::margins::SpeculativeMargins).
     pub(crate) static_margin: Option<f32>,
+    /// Names which collider has which number, where that is known.
+    pub(crate) layout: Revision,
+    /// The colliders that are dormant.
+    pub(crate) dormant: DormantSet,
 }
 
 /// What some collider of several has.
@@ -105,7 +111,7 @@ pub(crate) struct Flags {
 }
 
 impl Flags {
-    fn of<'a>(all: impl Iterator<Item = &'a BodyParams>) -> Self {
+    pub fn of<'a>(all: impl Iterator<Item = &'a BodyParams>) -> Self {
         let flags = |params: &BodyParams| Self {
             continuous: params.continuous,
             filters: params.hooks.filter_pairs,
@@ -154,111 +160,46 @@ impl Bodies {
 
     /// Removes all bodies and keeps the memory.
     pub fn clear(&mut self) {
-        // The pattern names every array, so the compiler rejects a forgotten one.
-        let Self {
-            body,
-            mesh,
-            kind,
-            position,
-            rotation,
-            scale,
-            linear_velocity,
-            angular_velocity,
-            frame,
-            center,
-            radius,
-            unpadded_radius,
-            thickness,
-            speculative_radius,
-            travel_time,
-            inverse_mass,
-            own_inverse_mass,
-            local_inverse_inertia,
-            inverse_inertia,
-            restitution,
-            gravity_scale,
-            layers,
-            sensor,
-            culling,
-            params,
-            compounds,
-            parts,
-            part_index,
-            moving,
-            static_count,
-            is_listed,
-            of_static,
-            revision,
-            static_margin,
-        } = self;
-        body.clear();
-        mesh.clear();
-        kind.clear();
-        position.clear();
-        rotation.clear();
-        scale.clear();
-        linear_velocity.clear();
-        angular_velocity.clear();
-        frame.clear();
-        center.clear();
-        radius.clear();
-        unpadded_radius.clear();
-        thickness.clear();
-        speculative_radius.clear();
-        travel_time.clear();
-        inverse_mass.clear();
-        own_inverse_mass.clear();
-        local_inverse_inertia.clear();
-        inverse_inertia.clear();
-        restitution.clear();
-        gravity_scale.clear();
-        layers.clear();
-        sensor.clear();
-        culling.clear();
-        params.clear();
-        compounds.clear();
-        parts.clear();
-        part_index.clear();
-        moving.clear();
-        *static_count = 0;
-        *is_listed = false;
-        *of_static = Flags::default();
-        *revision = Revision::UNKNOWN;
-        *static_margin = None;
+        self.keep_first(0);
+        self.moving.clear();
+        self.static_count = 0;
+        self.is_listed = false;
+        self.of_static = Flags::default();
+        self.revision = Revision::UNKNOWN;
+        self.static_margin = None;
     }
 
     /// Removes all but the static bodies, whose state is known.
     #[cfg(feature = "bevy")]
     pub(crate) fn keep_static_only(&mut self) {
-        let count = self.static_count;
-        self.body.truncate(count);
-        self.mesh.truncate(count);
-        self.kind.truncate(count);
-        self.position.truncate(count);
-        self.rotation.truncate(count);
-        self.scale.truncate(count);
-        self.linear_velocity.truncate(count);
-        self.angular_velocity.truncate(count);
-        self.frame.truncate(count);
-        self.center.truncate(count);
-        self.radius.truncate(count);
-        self.unpadded_radius.truncate(count);
-        self.thickness.truncate(count);
-        self.speculative_radius.truncate(count);
-        self.travel_time.truncate(count);
-        self.inverse_mass.truncate(count);
-        self.own_inverse_mass.truncate(count);
-        self.local_inverse_inertia.truncate(count);
-        self.inverse_inertia.truncate(count);
-        self.restitution.truncate(count);
-        self.gravity_scale.truncate(count);
-        self.layers.truncate(count);
-        self.sensor.truncate(count);
-        self.culling.truncate(count);
-        self.params.truncate(count);
+        self.keep_first(self.static_count);
+    }
+
+    fn keep_first(&mut self, count: usize) {
+        self.truncate_rows(count);
         self.compounds.clear();
         self.parts.clear();
         self.part_index.clear();
+        self.layout = Revision::UNKNOWN;
+        self.end_dormancy();
+    }
+
+    /// Begins to write the colliders again that are not static or dormant: each gets its new values, and those of compounds are
+    /// joined anew.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn begin_rewriting(&mut self) {
+        self.compounds.clear();
+        self.parts.clear();
+        self.part_index.clear();
+    }
+
+    /// No collider is dormant any more.
+    pub(crate) fn end_dormancy(&mut self) {
+        self.dormant.flags.clear();
+        self.dormant.count = 0;
+        self.dormant.name = Revision::UNKNOWN;
+        self.dormant.filled = Revision::UNKNOWN;
+        self.dormant.has = Flags::default();
     }
 
     /// What has been pushed so far is static, and what follows is not.
@@ -274,6 +215,13 @@ impl Bodies {
         self.revision = Revision::UNKNOWN;
         self.list_movers();
         self.revision = Revision::new();
+        self.keep_layout();
+    }
+
+    /// Names the present numbers of all colliders. Until the next call they may only be [written again](Bodies::rewrite).
+    #[cfg(feature = "bevy")]
+    pub(crate) fn keep_layout(&mut self) {
+        self.layout = Revision::new();
     }
 
     /// Lists the colliders that are not static, at the beginning of a step, unless they are known to be those of the last one.
@@ -288,12 +236,14 @@ impl Bodies {
             let statics = statics.filter(|(_, kind)| **kind == RigidBody::Static);
             self.of_static = Flags::of(statics.map(|(params, _)| params));
         } else {
+            let awake = |&i: &u32| !self.dormant.has(i as usize);
             self.moving.clear();
-            self.moving.extend(self.static_count as u32..self.kind.len() as u32);
+            self.moving
+                .extend((self.static_count as u32..self.kind.len() as u32).filter(awake));
         }
     }
 
-    /// The colliders that are not static, ascending.
+    /// The colliders that take part in a step by themselves, ascending: those that are neither static nor dormant.
     pub(crate) fn movers(&self) -> impl Iterator<Item = usize> + Clone + '_ {
         let (listed, all) = match self.is_listed {
             true => (&self.moving[..], 0..0),
@@ -303,9 +253,18 @@ impl Bodies {
         listed.iter().map(|&i| i as usize).chain(all.filter(moves))
     }
 
-    /// Number of colliders that are not static, or of all if they have not been listed.
+    /// Number of [`Bodies::movers`], or of all colliders if they have not been listed.
     pub(crate) fn mover_count(&self) -> usize {
         if self.is_listed { self.moving.len() } else { self.len() }
+    }
+
+    /// Number of colliders that move, but were not listed among [`Bodies::movers`], because they are dormant.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn left_out(&self) -> usize {
+        match self.revision.is_known() {
+            true => self.len() - self.static_count - self.moving.len(),
+            false => 0,
+        }
     }
 
     /// What some collider has.
@@ -315,10 +274,10 @@ impl Bodies {
         }
         // Searches by themselves have no more than spheres.
         let moving = Flags::of(self.moving.iter().filter_map(|&i| self.params.get(i as usize)));
-        moving.or(self.of_static)
+        moving.or(self.of_static).or(self.dormant.has)
     }
 
-    /// The same as a list.
+    /// [`Bodies::movers`] as a list.
     pub(crate) fn list_of_movers(&self) -> Cow<'_, [u32]> {
         match self.is_listed {
             true => Cow::Borrowed(&self.moving),
@@ -326,7 +285,7 @@ impl Bodies {
         }
     }
 
-    /// Calls `f` with each collider that is not static, ascending.
+    /// Calls `f` with each of [`Bodies::movers`].
     pub(crate) fn for_each_mover(&mut self, mut f: impl FnMut(&mut Self, usize)) {
         let list = match self.is_listed {
             true => std::mem::take(&mut self.moving),
@@ -410,18 +369,40 @@ impl Bodies {
     /// Validates `body`, derives what follows from its pose and mesh, and appends it: a collider that is a body by itself,
     /// until [`Bodies::join`](super::compound) joins it with others.
     pub fn push(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
-        check_body(body)?;
-        self.add(body, meshes, true)
+        let row = self.row(self.len(), body, meshes, true)?;
+        self.push_row(row);
+        Ok(())
     }
 
     /// The same for a collider that will be joined with others before the bodies are used. What it has from its body must
     /// be valid.
     pub fn push_part(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
-        check_collider(body)?;
-        self.add(body, meshes, false)
+        let row = self.row(self.len(), body, meshes, false)?;
+        self.push_row(row);
+        Ok(())
     }
 
-    fn add(&mut self, body: &Body, meshes: &MeshArena, has_inertia: bool) -> Result<(), BodyFault> {
+    /// Replaces collider `i` by what [`Bodies::push`] would append, or [`Bodies::push_part`] if it `is_part` of a body.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn rewrite(
+        &mut self,
+        i: usize,
+        body: &Body,
+        meshes: &MeshArena,
+        is_part: bool,
+    ) -> Result<(), BodyFault> {
+        let row = self.row(i, body, meshes, !is_part)?;
+        self.set_row(i, row);
+        Ok(())
+    }
+
+    /// What the arrays have of a collider with the number `i`, which is a body by itself or a part of one.
+    fn row(&self, i: usize, body: &Body, meshes: &MeshArena, is_body: bool) -> Result<Row, BodyFault> {
+        if is_body {
+            check_body(body)?;
+        } else {
+            check_collider(body)?;
+        }
         let slot = &meshes[body.mesh];
         let (rotation, scale, unpadded_radius) = check_pose(&slot.mesh, body.rotation.as_dquat(), body.scale)?;
 
@@ -442,41 +423,39 @@ impl Bodies {
         if !inverse_mass.is_finite() {
             return Err(BodyFault::Mass(body.mass.unwrap_or(0.0)));
         }
-        let (own_inertia, inverse_inertia) = if has_inertia && mass.is_finite() {
+        let (own_inertia, inverse_inertia) = if is_body && mass.is_finite() {
             let own = inverse_inertia_of(body, &frame, &slot.mesh.mass, mass);
             (own, frame.rotation * own * frame.rotation.transpose())
         } else {
             (DMat3::ZERO, DMat3::ZERO)
         };
-
-        self.body.push(self.body.len() as u32);
-        self.mesh.push(body.mesh);
-        self.kind.push(body.kind);
-        self.position.push(body.position);
-        self.rotation.push(unit(body.rotation));
-        self.scale.push(scale);
-        self.linear_velocity.push(body.linear_velocity);
-        self.angular_velocity.push(body.angular_velocity);
-        self.frame.push(frame);
-        self.center.push(center);
-        self.radius.push(radius);
-        self.unpadded_radius.push(unpadded_radius);
-        let thickness = slot.mesh.mass.thickness * scale.abs().min_element();
-        self.thickness.push(thickness);
-        self.speculative_radius.push(radius);
-        self.travel_time.push(0.0);
-        self.inverse_mass.push(inverse_mass);
-        self.own_inverse_mass
-            .push(own_inverse_mass(body, &frame, &slot.mesh.mass));
-        self.local_inverse_inertia.push(own_inertia.as_mat3());
-        self.inverse_inertia.push(inverse_inertia.as_mat3());
-        self.restitution.push(body.restitution.clamp(0.0, 1.0));
-        self.gravity_scale.push(body.gravity_scale);
-        self.layers.push(body.layers);
-        self.sensor.push(body.sensor);
-        self.culling.push(body.culling);
-        self.params.push(body.params);
-        Ok(())
+        Ok(Row {
+            body: i as u32,
+            mesh: body.mesh,
+            kind: body.kind,
+            position: body.position,
+            rotation: unit(body.rotation),
+            scale,
+            linear_velocity: body.linear_velocity,
+            angular_velocity: body.angular_velocity,
+            frame,
+            center,
+            radius,
+            unpadded_radius,
+            thickness: slot.mesh.mass.thickness * scale.abs().min_element(),
+            speculative_radius: radius,
+            travel_time: 0.0,
+            inverse_mass,
+            own_inverse_mass: own_inverse_mass(body, &frame, &slot.mesh.mass),
+            local_inverse_inertia: own_inertia.as_mat3(),
+            inverse_inertia: inverse_inertia.as_mat3(),
+            restitution: body.restitution.clamp(0.0, 1.0),
+            gravity_scale: body.gravity_scale,
+            layers: body.layers,
+            sensor: body.sensor,
+            culling: body.culling,
+            params: body.params,
+        })
     }
 }
 

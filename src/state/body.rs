@@ -72,6 +72,8 @@ pub struct BodyParams {
     pub continuous: bool,
     /// Which hooks are called for pairs with the collider.
     pub hooks: ActiveCollisionHooks,
+    /// Whether the body is to be read in every step, also while it sleeps, because its pose depends on other things.
+    pub always_read: bool,
 }
 
 impl Default for BodyParams {
@@ -89,6 +91,7 @@ impl Default for BodyParams {
             woken: false,
             continuous: false,
             hooks: ActiveCollisionHooks::NONE,
+            always_read: false,
         }
     }
 }

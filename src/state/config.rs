@@ -6,7 +6,7 @@ use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
 
 /// Parameters of a step that hold for all bodies.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepConfig {
     /// Length of the step in seconds, positive.
     pub dt: f32,

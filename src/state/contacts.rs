@@ -1,6 +1,7 @@
 //! Contact reports: touching pairs with their intersecting faces, bodies that penetrate planes, and contact
 //! points.
 
+use super::merge::merge;
 use glam::Vec3;
 
 /// What touches in a step.
@@ -124,6 +125,81 @@ impl Contacts {
         self.points.clear();
         self.face_pairs = 0;
         self.triangle_tests = 0;
+    }
+
+    /// Those of the pairs and planes that are `wanted`, by their bodies. Planes are numbered from `first_plane` on.
+    pub(crate) fn select(&self, first_plane: u32, wanted: impl Fn([u32; 2]) -> bool) -> Self {
+        let mut some = Self::like(self);
+        for pair in self.pairs.iter().filter(|pair| wanted(pair.bodies)) {
+            some.add_pair(pair, self);
+        }
+        for plane in &self.planes {
+            if wanted([plane.body, first_plane + plane.plane]) {
+                some.add_plane(plane, self);
+            }
+        }
+        some
+    }
+
+    /// These and others, in order.
+    pub(crate) fn merged(&self, others: &Self) -> Self {
+        let mut all = Self::like(self);
+        let both = [self, others];
+        let pairs = both.map(|some| some.pairs.iter().map(move |pair| (pair, some)));
+        merge(pairs, |(pair, _)| pair.bodies, |(pair, from)| all.add_pair(pair, from));
+        let planes = both.map(|some| some.planes.iter().map(move |plane| (plane, some)));
+        let order = |&(plane, _): &(&PlaneContact, &Self)| [plane.body, plane.plane];
+        merge(planes, order, |(plane, from)| all.add_plane(plane, from));
+        all
+    }
+
+    /// What the triangle test has found of these, without points: pairs and planes that overlap.
+    pub(crate) fn tested(&self) -> Self {
+        let is_tested = |pair: &&PairContact| pair.face_count > 0 || pair.contained;
+        let mut some = Self::like(self);
+        for pair in self.pairs.iter().filter(is_tested) {
+            let tested = PairContact {
+                point_count: 0,
+                impulse: 0.0,
+                ..*pair
+            };
+            some.add_pair(&tested, self);
+        }
+        for plane in self.planes.iter().filter(|plane| plane.depth > 0.0) {
+            let tested = PlaneContact {
+                point_count: 0,
+                impulse: 0.0,
+                ..*plane
+            };
+            some.add_plane(&tested, self);
+        }
+        some
+    }
+
+    fn like(other: &Self) -> Self {
+        Self {
+            lists_faces: other.lists_faces,
+            face_pairs: other.face_pairs,
+            triangle_tests: other.triangle_tests,
+            ..Self::default()
+        }
+    }
+
+    fn add_pair(&mut self, pair: &PairContact, from: &Self) {
+        let (first_face, first_point) = (self.faces.len() as u32, self.points.len() as u32);
+        self.faces.extend_from_slice(from.faces_of(pair));
+        self.points.extend_from_slice(from.points_of(pair));
+        self.pairs.push(PairContact {
+            first_face,
+            first_point,
+            ..*pair
+        });
+    }
+
+    fn add_plane(&mut self, plane: &PlaneContact, from: &Self) {
+        let first_point = self.points.len() as u32;
+        self.points.extend_from_slice(from.points_on(plane));
+        self.planes.push(PlaneContact { first_point, ..*plane });
     }
 
     /// The intersecting faces of one of [`Contacts::pairs`].

@@ -18,7 +18,7 @@ pub(crate) struct InactiveBodies {
     numbers: Vec<u32>,
     /// The first bodies, whose indices are unchanged.
     same: usize,
-    /// Whether static bodies may be active.
+    /// Whether static bodies or planes may be active.
     has_active_static: bool,
 }
 
@@ -41,6 +41,24 @@ impl InactiveBodies {
         self.flags.resize(same, true);
         self.flags.resize(count, false);
         self.has_active_static = same == 0;
+    }
+
+    /// Prepares for a step with the numbers of the last one, of `count` bodies and planes. None of the `movers` and planes, which
+    /// are numbered from `first_plane` on, is inactive yet; the others still are.
+    pub fn begin_again(&mut self, movers: impl Iterator<Item = usize>, first_plane: usize, count: usize) {
+        self.numbers.clear();
+        self.replaced.clear();
+        self.any = false;
+        movers.for_each(|i| self.flags[i] = false);
+        self.flags.truncate(first_plane);
+        self.flags.resize(count, false);
+        self.has_active_static = false;
+    }
+
+    /// Sets whether planes, which are numbered from `first_plane` on, are unchanged since the last step.
+    pub fn set_planes(&mut self, first_plane: usize, are_same: bool) {
+        self.flags[first_plane..].fill(are_same);
+        self.has_active_static |= !are_same;
     }
 
     /// Sets the new indices of the bodies of the last collision substep from index `same` on; none if all are unchanged.

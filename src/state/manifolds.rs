@@ -1,6 +1,7 @@
 //! Contact manifolds: the contact points that the solver works on.
 
 use super::contacts::ContactPoint;
+use super::merge::merge;
 use glam::Vec3;
 
 /// The contact points of a pair of colliders.
@@ -124,6 +125,35 @@ impl Manifolds {
             all.end_pair(pair.bodies, first);
         }
         add_alone(all, None);
+    }
+
+    /// Those of the pairs that are `wanted`.
+    pub(crate) fn select(&self, wanted: impl Fn([u32; 2]) -> bool) -> Self {
+        let mut some = Self::default();
+        for pair in self.pairs.iter().filter(|pair| wanted(pair.bodies)) {
+            some.add_pair(pair, self);
+        }
+        let surfaces = self.surfaces.iter().filter(|(pair, _)| wanted(*pair));
+        some.surfaces.extend(surfaces.copied());
+        some
+    }
+
+    /// These and others, in order.
+    pub(crate) fn merged(&self, others: &Self, first_plane: u32) -> Self {
+        let mut all = Self::default();
+        let both = [self, others];
+        let pairs = both.map(|some| some.pairs.iter().map(move |pair| (pair, some)));
+        let order = |&(pair, _): &(&Manifold, &Self)| pair_order(pair.bodies, first_plane);
+        merge(pairs, order, |(pair, from)| all.add_pair(pair, from));
+        let surfaces = both.map(|some| some.surfaces.iter().copied());
+        merge(surfaces, |&(pair, _)| pair, |surface| all.surfaces.push(surface));
+        all
+    }
+
+    fn add_pair(&mut self, pair: &Manifold, from: &Self) {
+        let first = self.points.len();
+        self.points.extend_from_slice(from.points_of(pair));
+        self.end_pair(pair.bodies, first);
     }
 
     /// Contact points of a pair, which must be in ascending order; empty if it has none. Plane `i` has the number

@@ -15,16 +15,20 @@
 //! | [`margins`], `arm` | speculative margins, and how far from a body's axis others may touch it |
 //! | `travel` | how colliders move if nothing stops them |
 //! | `inactive` | pairs that sleep and need no work |
-//! | `revision` | names of states of the static colliders |
+//! | `dormant_set` | colliders asleep near which nothing is awake |
+//! | `revision` | names of states of colliders that have not changed |
+//! | `columns`, `merge` | the arrays of bodies as one list; merged lists |
 
 mod arm;
 pub mod bodies;
 pub mod body;
+mod columns;
 pub mod compound;
 pub mod config;
 pub mod contacts;
 pub mod crowd;
 pub mod departure;
+pub(crate) mod dormant_set;
 #[cfg(feature = "gpu")]
 mod excerpt;
 pub mod fault;
@@ -34,6 +38,7 @@ pub mod manifolds;
 pub mod margins;
 #[cfg(feature = "bevy")]
 pub(crate) mod memory_fault;
+pub(crate) mod merge;
 pub mod mesh_arena;
 pub mod pairs;
 pub(crate) mod part_index;

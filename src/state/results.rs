@@ -71,6 +71,8 @@ pub struct Counts {
     pub contact_points: usize,
     /// Bodies asleep after the step.
     pub asleep: usize,
+    /// Bodies for which the step did nothing.
+    pub dormant: usize,
     /// Bodies of which pairs were left out; see [`StepLimits`](crate::types::limits::StepLimits).
     pub crowded: usize,
 }
@@ -94,6 +96,7 @@ impl StepResults {
             face_pairs: self.contacts.face_pairs,
             contact_points: self.manifolds.points.len(),
             asleep: self.asleep.iter().filter(|&&asleep| asleep).count(),
+            dormant: 0,
             crowded: self.crowd.bodies,
         }
     }

@@ -12,7 +12,6 @@ impl Revision {
     pub const UNKNOWN: Self = Self(None);
 
     /// The name of a new state.
-    #[cfg(feature = "bevy")]
     pub fn new() -> Self {
         use std::sync::atomic::{AtomicU64, Ordering};
         static LAST: AtomicU64 = AtomicU64::new(0);

@@ -1,5 +1,6 @@
 //! The beginning of a step: sleeping bodies, the numbers of collision substeps, and speculative margins.
 
+use super::dormant::Lists;
 use super::memory::StepMemory;
 use super::scratch::StepScratch;
 use crate::solver::apply_impulses;
@@ -8,10 +9,17 @@ use crate::state::crowd::Crowd;
 use crate::state::margins::SpeculativeMargins;
 use crate::state::{StepInput, StepResults};
 use crate::types::settings::Response;
+use glam::Vec3;
 
 /// Prepares the first collision substep.
-pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut StepResults, scratch: &mut StepScratch) {
+pub(super) fn begin(
+    input: &mut StepInput,
+    memory: &mut StepMemory,
+    results: &mut StepResults,
+    scratch: &mut StepScratch,
+) {
     scratch.age(results);
+    scratch.dormant.begin(input, memory, results);
     input.bodies.list_movers();
     scratch.schedule.set_all(1);
     results.crowd = Crowd::default();
@@ -31,27 +39,57 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
         Response::None => SpeculativeMargins::AtRest,
         Response::Contacts => {
             apply_impulses(&mut input.bodies);
-            let speeds = load_bodies(input, memory, scratch);
+            let mut speeds = load_bodies(input, memory, scratch);
+            if speeds.drift() != Vec3::ZERO && !input.bodies.dormant.flags.is_empty() {
+                // Margins of bodies at rest depend on it.
+                scratch.dormant.end(&mut input.bodies, memory, results);
+                input.bodies.list_movers();
+                speeds = load_bodies(input, memory, scratch);
+            }
             let drift = speeds.drift();
             let config = input.config;
             let most = speeds.collision_substeps(&config.solver, &scratch.solver_bodies, config.dt);
             if most > 1 {
-                let StepScratch {
-                    reach,
-                    schedule,
-                    solver_bodies,
-                    near_in_step,
-                    ..
-                } = scratch;
-                schedule.set_each(reach.collision_substeps(input, solver_bodies, drift, near_in_step));
+                divide(input, memory, results, scratch, drift);
             }
             SpeculativeMargins::Moving { drift }
         }
     };
     results.collision_substeps = scratch.schedule.most();
-    results.mean_collision_substeps = scratch.schedule.mean();
+    results.mean_collision_substeps = scratch.schedule.mean(&input.bodies);
     scratch.schedule.begin(0, &input.config, &mut input.bodies);
     scratch.margins.set_speculative_radii(&mut input.bodies, &input.config);
+    scratch.dormant.watch(input, &scratch.solver_bodies, &scratch.inactive);
+}
+
+/// Gives each body its number of collision substeps. `drift` is the velocity that bodies have in common, m/s.
+fn divide(
+    input: &mut StepInput,
+    memory: &mut StepMemory,
+    results: &mut StepResults,
+    scratch: &mut StepScratch,
+    drift: Vec3,
+) {
+    let StepScratch {
+        reach,
+        schedule,
+        solver_bodies,
+        inactive,
+        near_in_step,
+        dormant,
+        ..
+    } = scratch;
+    while let Err(met) = reach.search(input, solver_bodies, drift, near_in_step, dormant) {
+        let mut lists = Lists {
+            bodies: &mut input.bodies,
+            solver_bodies,
+            inactive,
+            memory,
+            results,
+        };
+        dormant.rouse(met, &mut lists);
+    }
+    schedule.set_each(reach.collision_substeps(&input.bodies));
 }
 
 /// Loads the bodies into the solver, restores their state from the last step, and returns the bounds of their speeds.
@@ -63,7 +101,12 @@ fn load_bodies(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch
         ..
     } = scratch;
     let is_known = solver_bodies.revision().is(input.bodies.revision);
-    input.write_keys(keys, if is_known { input.bodies.static_count } else { 0 });
+    let known = match is_known {
+        true if solver_bodies.layout().is(input.bodies.layout) => input.bodies.len(),
+        true => input.bodies.static_count,
+        false => 0,
+    };
+    input.write_keys(keys, known);
     solver_bodies.read(&input.bodies, &input.planes, keys);
     memory.restore(input, solver_bodies, inactive);
     Speeds::of(solver_bodies, input.config.dt, |_| false)

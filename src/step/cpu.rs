@@ -6,10 +6,13 @@ use super::StepState;
 use super::begin::begin;
 use super::cost::is_small;
 use super::crowds;
+use super::dormant::Lists;
 use super::hooks::{NoHooks, StepHooks, filter_pairs, modify_contacts};
+use super::memory::StepMemory;
 use super::order::{Part, Place, parts_of};
 use super::scratch::StepScratch;
 use crate::manifolds::report::report_points;
+use crate::state::crowd::Crowd;
 use crate::state::{NearPair, Plane, StepInput, StepResults};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
@@ -145,6 +148,48 @@ fn test_triangles(input: &StepInput, results: &mut StepResults, scratch: &mut St
     contacts.face_pairs = contacts.faces.len();
 }
 
+/// Finds the pairs of bodies whose spheres overlap. Dormant bodies among them are roused first.
+fn find_sphere_pairs(
+    number: u32,
+    input: &mut StepInput,
+    memory: &mut StepMemory,
+    results: &mut StepResults,
+    scratch: &mut StepScratch,
+) {
+    let config = input.config;
+    loop {
+        let (bodies, pairs) = (&input.bodies, &mut results.sphere_pairs);
+        let mut crowd = Crowd::default();
+        if !scratch.near_in_step.find(bodies, pairs) {
+            crowd = broad_phase::cpu::run(bodies, config.limits.body_pairs, &mut scratch.broad_phase, pairs);
+        }
+        let Err(met) = scratch.dormant.meet(bodies, pairs, crowd.bodies > 0) else {
+            results.crowd = results.crowd.or(crowd);
+            return;
+        };
+        let first_plane = bodies.len() as u32;
+        let contacts = (number > 0).then(|| scratch.dormant.contacts_of(&met, first_plane));
+        let mut lists = Lists {
+            bodies: &mut input.bodies,
+            solver_bodies: &mut scratch.solver_bodies,
+            inactive: &mut scratch.inactive,
+            memory,
+            results,
+        };
+        let roused = scratch.dormant.rouse(met, &mut lists);
+        let places = roused.iter().filter_map(|i| input.bodies.moving.binary_search(i).ok());
+        scratch.schedule.add_roused(places, &input.bodies);
+        scratch.schedule.begin(number, &config, &mut input.bodies);
+        scratch.margins.set_speculative_radii(&mut input.bodies, &config);
+        scratch.near_in_step.clear();
+        if let Some(contacts) = contacts {
+            // They are those that the first collision substep would have found.
+            scratch.touches.put_back(&contacts, first_plane);
+            results.contacts = results.contacts.merged(&contacts.tested());
+        }
+    }
+}
+
 fn run_part(part: Part, number: u32, step: &mut StepState) {
     let StepState {
         input,
@@ -157,11 +202,8 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
     match part {
         Part::Begin => begin(input, memory, results, scratch),
         Part::FindSpherePairs => {
-            let (bodies, pairs) = (&input.bodies, &mut results.sphere_pairs);
-            if !scratch.near_in_step.find(bodies, pairs) {
-                let crowd = broad_phase::cpu::run(bodies, config.limits.body_pairs, &mut scratch.broad_phase, pairs);
-                results.crowd = results.crowd.or(crowd);
-            }
+            find_sphere_pairs(number, input, memory, results, scratch);
+            scratch.dormant.note(number, &input.bodies, &results.sphere_pairs);
             if number > 0 {
                 let still_moves = |&body: &u32| input.bodies.travel_time_of(body as usize) > 0.0;
                 results.sphere_pairs.retain(|pair| pair.iter().any(still_moves));
@@ -288,13 +330,24 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
         }
         Part::ReportTouches => {
             let (bodies, sleep) = (&input.bodies, &scratch.solver_bodies.sleep);
-            results.asleep.clear();
+            if bodies.dormant.count == 0 {
+                results.asleep.clear();
+            }
             results.asleep.resize(bodies.len(), false);
             bodies.movers().for_each(|i| results.asleep[i] = sleep[i].asleep);
             scratch.touches.report(first_plane, &mut results.contacts);
         }
         Part::Remember if config.response == Response::Contacts => {
             memory.save(input, &scratch.solver_bodies, &scratch.ccd);
+            let mut lists = Lists {
+                bodies: &mut input.bodies,
+                solver_bodies: &mut scratch.solver_bodies,
+                inactive: &mut scratch.inactive,
+                memory,
+                results,
+            };
+            let (planes, margins) = (&input.planes, scratch.margins);
+            scratch.dormant.settle(&config, planes, margins, &mut lists);
         }
         Part::Remember => {
             memory.forget();

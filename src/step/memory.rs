@@ -27,6 +27,9 @@ pub struct StepMemory {
     /// The state of the static bodies.
     #[serde(skip)]
     pub(super) revision: Revision,
+    /// Names which of them has which number.
+    #[serde(skip)]
+    pub(super) layout: Revision,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -61,7 +64,12 @@ impl StepMemory {
         let is_known = self.revision.is(bodies.revision);
         // The static bodies that are those of the last step, with their numbers.
         let same = if is_known { bodies.static_count } else { 0 };
-        inactive.begin(solver_bodies.len(), same);
+        let has_layout = is_known && self.layout.is(bodies.layout);
+        if has_layout {
+            inactive.begin_again(bodies.movers(), bodies.len(), solver_bodies.len());
+        } else {
+            inactive.begin(solver_bodies.len(), same);
+        }
         // Taken out, because the others change meanwhile.
         let keys = std::mem::take(&mut solver_bodies.keys);
         let mut restore = |i: usize, before: usize| {
@@ -92,8 +100,11 @@ impl StepMemory {
             }
         };
         let (before, now) = (&self.keys[same..], &keys[same..bodies.len()]);
-        let mut numbers = vec![GONE; if before == now { 0 } else { before.len() }];
-        if before == now {
+        let are_same = has_layout || before == now;
+        let mut numbers = vec![GONE; if are_same { 0 } else { before.len() }];
+        if has_layout {
+            bodies.movers().for_each(|i| restore(i, i));
+        } else if are_same {
             (same..bodies.len()).for_each(|i| restore(i, i));
         } else {
             for (i, number) in (same..).zip(remap::previous_numbers(before, now)) {
@@ -108,11 +119,10 @@ impl StepMemory {
                 }
             }
         }
-        let are_same = before == now;
         solver_bodies.keys = keys;
         wake_whole_bodies(solver_bodies, &mut inactive.flags);
         let same_planes = self.planes == *planes;
-        inactive.flags[bodies.len()..].fill(same_planes);
+        inactive.set_planes(bodies.len(), same_planes);
         if !are_same || self.planes.len() != planes.len() {
             if are_same {
                 numbers.extend(same as u32..bodies.len() as u32);
@@ -131,16 +141,18 @@ impl StepMemory {
             body: input.bodies.body_of(i as u32),
             had_impact: ccd.had_impact(input.bodies.body_of(i as u32) as usize),
         };
-        let same = if self.revision.is(input.bodies.revision) {
-            input.bodies.static_count
+        let is_known = self.revision.is(input.bodies.revision);
+        let same = if is_known { input.bodies.static_count } else { 0 };
+        if is_known && self.layout.is(input.bodies.layout) {
+            input.bodies.movers().for_each(|i| self.bodies[i] = saved(i));
         } else {
-            0
-        };
-        self.keys.truncate(same);
-        self.keys.extend_from_slice(&solver_bodies.keys[same..count]);
-        self.bodies.truncate(same);
-        self.bodies.extend((same..count).map(saved));
+            self.keys.truncate(same);
+            self.keys.extend_from_slice(&solver_bodies.keys[same..count]);
+            self.bodies.truncate(same);
+            self.bodies.extend((same..count).map(saved));
+        }
         self.revision = input.bodies.revision;
+        self.layout = input.bodies.layout;
         input.planes.clone_into(&mut self.planes);
         self.gravity = input.config.gravity;
     }

@@ -54,6 +54,7 @@ mod begin;
 mod cost;
 pub mod cpu;
 mod crowds;
+pub(crate) mod dormant;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hooks;
@@ -72,6 +73,8 @@ mod territories;
 pub use memory::StepMemory;
 pub use scratch::StepScratch;
 
+#[cfg(feature = "bevy")]
+use crate::state::Counts;
 use crate::state::{StepInput, StepResults};
 
 /// All data of a step. Use the same one for every step of a world, because it has the state that persists and the
@@ -86,4 +89,29 @@ pub struct StepState {
     pub memory: StepMemory,
     /// Scratch memory of the CPU's stages.
     pub scratch: StepScratch,
+}
+
+impl StepState {
+    /// The sizes of the results of a step on the CPU.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn counts(&self) -> Counts {
+        let mut counts = self.results.counts();
+        self.scratch.dormant.add_to(&mut counts);
+        counts.dormant = self.input.bodies.left_out();
+        counts
+    }
+
+    /// Ends the dormancy of all bodies, so that memory and results are complete.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn rouse_all(&mut self) {
+        let Self {
+            input,
+            results,
+            memory,
+            scratch,
+        } = self;
+        if scratch.dormant.any() {
+            scratch.dormant.end(&mut input.bodies, memory, results);
+        }
+    }
 }

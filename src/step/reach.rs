@@ -6,6 +6,7 @@
 //! others may touch it, so that a nut that turns about its bolt needs no more than its thread does. Groups with
 //! different numbers must stay apart for the whole step, see [`territories`](super::territories).
 
+use super::dormant::{Dormant, Met};
 use super::territories::Territories;
 use crate::broad_phase;
 use crate::broad_phase::cpu::WideSearch;
@@ -49,16 +50,20 @@ pub(super) struct Meeting {
 }
 
 impl Reach {
-    /// The number of collision substeps that each body that moves needs, in the order of [`Bodies::movers`]. `drift` is the velocity that
+    /// Finds the number of collision substeps that each body that moves needs. `drift` is the velocity that
     /// they have in common, m/s. The pairs that come near each other within the step are kept in `near_in_step`. Changes
     /// [`Bodies::speculative_radius`] and [`Bodies::travel_time`].
-    pub fn collision_substeps(
+    ///
+    /// # Errors
+    /// The bodies that must be roused first, because others may meet them.
+    pub fn search(
         &mut self,
         input: &mut StepInput,
         solver_bodies: &SolverBodies,
         drift: Vec3,
         near_in_step: &mut WideSearch,
-    ) -> impl Iterator<Item = u32> {
+        dormant: &Dormant,
+    ) -> Result<(), Met> {
         let StepInput {
             config,
             bodies,
@@ -78,6 +83,7 @@ impl Reach {
         bodies.for_each_mover(|bodies, i| bodies.speculative_radius[i] += ROOM * bodies.radius[i]);
         let crowd = broad_phase::cpu::run(bodies, config.limits.body_pairs, broad_phase, pairs);
         let is_crowded = crowd.bodies > 0;
+        dormant.meet(bodies, pairs, is_crowded)?;
         if !is_crowded {
             near_in_step.set(bodies, pairs);
         }
@@ -137,8 +143,14 @@ impl Reach {
         for i in bodies.movers() {
             meetings[i].count_collision_substeps(config);
         }
-        territories.separate(bodies, config, groups, meetings);
-        let bodies = &*bodies;
+        let is_awake = |i: u32| !solver_bodies.sleep[i as usize].asleep;
+        territories.separate(bodies, config, is_awake, groups, meetings);
+        dormant.meet_boxes(|bounds| territories.reach(bounds, config, meetings))
+    }
+
+    /// The number of collision substeps of each body that moves, in the order of [`Bodies::movers`].
+    pub fn collision_substeps(&mut self, bodies: &Bodies) -> impl Iterator<Item = u32> {
+        let Self { groups, meetings, .. } = self;
         bodies
             .movers()
             .map(|i| meetings[groups.root(i as u32) as usize].collision_substeps)
@@ -211,6 +223,12 @@ impl Sweep {
             travel,
             radius: bodies.radius[i] + margin + SAFETY * config.dt * sway(bodies, config, i, config.dt),
         }
+    }
+
+    /// The corners of a box around it.
+    pub fn bounds(&self) -> [DVec3; 2] {
+        let (radius, end) = (f64::from(self.radius), self.center + self.travel.as_dvec3());
+        [self.center.min(end) - radius, self.center.max(end) + radius]
     }
 
     fn meets(&self, other: &Self) -> bool {

@@ -37,13 +37,32 @@ impl Schedule {
         self.most
     }
 
-    /// The mean number of the bodies that move.
-    pub fn mean(&self) -> f32 {
-        let sum: u64 = self.counts.iter().map(|&count| u64::from(count)).sum();
-        if sum > 0 {
-            sum as f32 / self.counts.len() as f32
-        } else {
-            self.most as f32
+    /// The mean number of the bodies that move, and of `dormant` ones, which have one each.
+    pub fn mean(&self, bodies: &Bodies) -> f32 {
+        let dormant = bodies.dormant.count;
+        let count = bodies.movers().count();
+        let sum: u64 = match self.counts.is_empty() {
+            true => u64::from(self.most) * count as u64,
+            false => self.counts.iter().map(|&count| u64::from(count)).sum(),
+        };
+        if count + dormant == 0 {
+            return self.most as f32;
+        }
+        (sum + dormant as u64) as f32 / (count + dormant) as f32
+    }
+
+    /// Adds bodies that were dormant at these places among [`Bodies::movers`], ascending.
+    pub fn add_roused(&mut self, places: impl Iterator<Item = usize>, bodies: &Bodies) {
+        if self.most == 1 {
+            return;
+        }
+        let places: Vec<usize> = places.collect();
+        if self.counts.is_empty() {
+            let before = bodies.movers().count() - places.len();
+            self.counts.resize(before, self.most);
+        }
+        for place in places {
+            self.counts.insert(place, 1);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Scratch memory of the CPU's stages. It is reused, so that a step like the last one allocates nothing. No result
-//! depends on it, but for the manifolds of sleeping pairs.
+//! depends on it, but for the manifolds of sleeping pairs and what waits for dormant bodies.
 
+use super::dormant::Dormant;
 use super::hooks::LeftOut;
 use super::reach::Reach;
 use super::schedule::Schedule;
@@ -31,6 +32,8 @@ pub struct StepScratch {
     pub(crate) inactive: InactiveBodies,
     /// The pairs that a hook left out of this collision substep.
     pub(crate) left_out: LeftOut,
+    /// Bodies for which a step does nothing, with their contacts and saved impulses.
+    pub(crate) dormant: Dormant,
     /// Which bodies can meet in this step.
     pub(crate) reach: Reach,
     /// The collision substeps of this step.

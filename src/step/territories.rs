@@ -13,8 +13,8 @@ use glam::DVec3;
 /// Impulses within a group change velocities by at most this multiple of the group's relative speed: a light body that
 /// a heavy one hits leaves with twice its speed.
 pub(super) const MAX_SPEED_GAIN: f32 = 2.0;
-/// After so many comparisons of territories all groups are joined: more would take longer than the collision substeps
-/// that they save.
+/// After so many comparisons of territories of groups that are awake these are joined, and after as many again all groups:
+/// more would take longer than the collision substeps that they save.
 const MAX_COMPARISONS: usize = 1 << 17;
 
 /// Scratch memory.
@@ -28,33 +28,54 @@ pub(super) struct Territories {
 struct Territory {
     /// Its first body.
     root: u32,
+    /// Whether some body is awake.
+    awake: bool,
     low: DVec3,
     high: DVec3,
 }
 
 impl Territories {
     /// Joins groups with different numbers of collision substeps whose territories overlap.
-    pub fn separate(&mut self, bodies: &Bodies, config: &StepConfig, groups: &mut UnionFind, meetings: &mut [Meeting]) {
-        self.find(bodies, config, groups);
+    pub fn separate(
+        &mut self,
+        bodies: &Bodies,
+        config: &StepConfig,
+        is_awake: impl Fn(u32) -> bool,
+        groups: &mut UnionFind,
+        meetings: &mut [Meeting],
+    ) {
+        self.find(bodies, config, is_awake, groups);
+        // What sleeps far away must not change how what is awake moves.
+        let mut awake = self.all.iter().filter(|territory| territory.awake).count();
         let mut comparisons = 0;
         let mut i = 0;
         while i < self.all.len() {
             let own = self.all[i];
             let neighbour = if meetings[own.root as usize].collision_substeps > 1 {
-                comparisons += self.all.len();
+                comparisons += awake + 1;
                 self.neighbour(&own, config, meetings)
             } else {
                 // Its neighbours with more look for it.
                 None
             };
             if comparisons > MAX_COMPARISONS {
-                while self.all.len() > 1 {
-                    self.join([0, self.all.len() - 1], config, groups, meetings);
+                let all_join = awake == 1;
+                let joins = |territory: &Territory| all_join || territory.awake;
+                while let Some(last) = self.all.iter().rposition(joins)
+                    && let Some(first) = self.all.iter().position(joins)
+                    && first < last
+                {
+                    self.join([first, last], config, groups, meetings);
                 }
-                return;
+                if all_join {
+                    return;
+                }
+                (awake, comparisons, i) = (1, 0, 0);
+                continue;
             }
             match neighbour {
                 Some(other) => {
+                    awake -= usize::from(self.all[other].awake && self.all[i].awake);
                     self.join([i, other], config, groups, meetings);
                     // A larger territory may have new neighbours.
                     i = 0;
@@ -64,11 +85,24 @@ impl Territories {
         }
     }
 
+    /// Whether a group with several collision substeps may reach a box within the step.
+    pub fn reach(&self, [low, high]: [DVec3; 2], config: &StepConfig, meetings: &[Meeting]) -> bool {
+        let place = Territory {
+            root: 0,
+            awake: false,
+            low,
+            high,
+        };
+        self.all.iter().any(|own| {
+            let meeting = &meetings[own.root as usize];
+            meeting.collision_substeps > 1 && own.is_within(reach(config, meeting), &place)
+        })
+    }
+
     /// A group with another number of collision substeps whose territory overlaps this one.
     fn neighbour(&self, own: &Territory, config: &StepConfig, meetings: &[Meeting]) -> Option<usize> {
         let meeting = |territory: &Territory| &meetings[territory.root as usize];
-        let reach =
-            |territory: &Territory| f64::from(MAX_SPEED_GAIN * config.dt * meeting(territory).speeds.relative());
+        let reach = |territory: &Territory| reach(config, meeting(territory));
         let own_reach = reach(own);
         let differs = |other: &Territory| meeting(other).collision_substeps != meeting(own).collision_substeps;
         let others = self.all.iter();
@@ -95,6 +129,7 @@ impl Territories {
         meetings[root as usize] = meeting;
         self.all[one] = Territory {
             root,
+            awake: a.awake || b.awake,
             low: a.low.min(b.low),
             high: a.high.max(b.high),
         };
@@ -102,25 +137,32 @@ impl Territories {
         self.all.remove(other);
     }
 
-    fn find(&mut self, bodies: &Bodies, config: &StepConfig, groups: &mut UnionFind) {
+    fn find(&mut self, bodies: &Bodies, config: &StepConfig, is_awake: impl Fn(u32) -> bool, groups: &mut UnionFind) {
         self.all.clear();
         // The root is the smallest member, so it comes first, and the list is ascending by root.
         for i in bodies.movers().map(|i| i as u32) {
             let root = groups.root(i);
-            let sweep = Sweep::of(bodies, config, i);
-            let radius = f64::from(sweep.radius);
-            let end = sweep.center + sweep.travel.as_dvec3();
-            let (low, high) = (sweep.center.min(end) - radius, sweep.center.max(end) + radius);
+            let [low, high] = Sweep::of(bodies, config, i).bounds();
+            let awake = is_awake(i);
             match self.all.binary_search_by_key(&root, |territory| territory.root) {
                 Ok(at) => {
                     let territory = &mut self.all[at];
+                    territory.awake |= awake;
                     territory.low = territory.low.min(low);
                     territory.high = territory.high.max(high);
                 }
-                Err(at) => self.all.insert(at, Territory { root, low, high }),
+                Err(at) => {
+                    let territory = Territory { root, awake, low, high };
+                    self.all.insert(at, territory);
+                }
             }
         }
     }
+}
+
+/// How far impulses within a group may take its bodies out of their way in a step, metres.
+fn reach(config: &StepConfig, meeting: &Meeting) -> f64 {
+    f64::from(MAX_SPEED_GAIN * config.dt * meeting.speeds.relative())
 }
 
 impl Territory {

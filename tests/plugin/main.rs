@@ -11,6 +11,7 @@ mod clock;
 mod compounds;
 mod contacts;
 mod culling;
+mod dormant;
 mod driven;
 mod extreme_masses;
 mod groups;

@@ -52,8 +52,8 @@ impl Source<'_, '_> {
             islands: collisions
                 .filter(|_| has_islands)
                 .map(|_| self.finder.find(&self.poses).count()),
-            manifolds: collisions.map(|collisions| collisions.manifolds.pairs.len()),
-            plane_pairs: collisions.map(|collisions| collisions.contacts.planes.len()),
+            manifolds: collisions.map(|collisions| collisions.manifold_count()),
+            plane_pairs: collisions.map(|collisions| collisions.plane_pairs()),
         }
     }
 }

@@ -131,6 +131,7 @@ impl Snapshot {
             }
         }
         step.catch_up(&mut bodies);
+        step.rouse_all();
         let mut snapshot = Self {
             bodies,
             touching: step.touching.clone(),
@@ -243,6 +244,7 @@ impl Snapshot {
             return;
         }
         step.forget();
+        step.kept.forget();
         #[cfg(feature = "gpu")]
         if !self.device.is_empty() {
             (step.state.memory, step.state.results.manifolds) = self.device.to_cpu();

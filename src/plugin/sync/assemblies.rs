@@ -103,7 +103,7 @@ impl Step {
         let count = self.collected.entities.len();
         let fixed = self.collected.entities.fixed();
         self.collected.rows.body_counts = [fixed, count - fixed];
-        self.join_parts();
+        self.join_parts(true);
     }
 
     /// Fills the arrays with the bodies that were read, which are those that move; the others are those of the last step.
@@ -113,8 +113,26 @@ impl Step {
         self.add_candidates(0..self.candidates.len());
         self.collected.rows.entities.finish();
         self.collected.rows.body_counts[1] = self.candidates.len();
-        self.join_parts();
-        self.state.input.bodies.list_movers();
+        self.join_parts(true);
+        let bodies = &mut self.state.input.bodies;
+        bodies.list_movers();
+        self.kept.keep_layout(bodies, &self.collected.rows);
+    }
+
+    /// Fills the arrays with the bodies that were read, which are all that are neither static nor dormant; each has the number
+    /// that it had in the last step.
+    pub fn fill_again(&mut self) {
+        let StepInput { bodies, meshes, .. } = &mut self.state.input;
+        bodies.begin_rewriting();
+        let moving = std::mem::take(&mut bodies.moving);
+        for (&number, Candidate { id, body, is_joined }) in moving.iter().zip(&self.candidates) {
+            if let Err(fault) = bodies.rewrite(number as usize, body, meshes, *is_joined) {
+                self.new_faults.push((id.entity, fault));
+            }
+        }
+        bodies.moving = moving;
+        self.collected.rows.clone_from(&self.kept.all_rows);
+        self.join_parts(false);
     }
 
     /// Adds some of the candidates to the arrays.
@@ -138,8 +156,8 @@ impl Step {
         }
     }
 
-    /// Joins colliders to the bodies of which they are parts.
-    fn join_parts(&mut self) {
+    /// Joins colliders to the bodies of which they are parts. Whose parts they are is new, or known from the last step.
+    fn join_parts(&mut self, are_new: bool) {
         let Self {
             state,
             assemblies,
@@ -185,10 +203,12 @@ impl Step {
                 })
             }));
             let is_static = assembly.values.kind == RigidBody::Static;
-            for part in &found {
-                owners.set(part.collider as usize, assembly.body);
+            if are_new {
+                for part in &found {
+                    owners.set(part.collider as usize, assembly.body);
+                }
+                body_counts[usize::from(!is_static)] -= found.len().saturating_sub(1);
             }
-            body_counts[usize::from(!is_static)] -= found.len().saturating_sub(1);
             assembly.number = found.first().map(|part| part.collider);
             // Colliders of a static body need not know each other: two static ones never collide.
             if found.is_empty() || is_static {

@@ -1,4 +1,4 @@
-//! What users have changed since the last step in colliders and bodies that do not move.
+//! What users have changed since the last step in colliders and bodies that are static or dormant.
 //!
 //! One scan of Bevy's change ticks, component by component through contiguous memory: under a nanosecond for each body and
 //! component that it has.
@@ -27,11 +27,11 @@ type Read = (
     (Sleeping, SleepingDisabled),
 );
 
-/// Notes that something static loses a component that a step reads. Bevy's `RemovedComponents` forget after two frames, and
+/// Notes that something at rest loses a component that a step reads. Bevy's `RemovedComponents` forget after two frames, and
 /// frames may be shorter than steps.
 pub(crate) fn note_removed(removed: On<Remove, Read>, step: Option<ResMut<Step>>) {
     if let Some(mut step) = step
-        && step.kept.is_static(removed.entity)
+        && step.kept.is_at_rest(removed.entity)
     {
         step.kept.forget();
     }
@@ -53,8 +53,8 @@ pub(crate) struct Changes<'w, 's, T: Component> {
 }
 
 impl<T: Component> Changes<'_, '_, T> {
-    /// Whether that of something that does not move has changed.
-    fn any_static(&self, kept: &Kept) -> bool {
+    /// Whether that of something static has changed. Notes changes of dormant bodies.
+    fn any_static(&self, kept: &mut Kept) -> bool {
         let Ok(tables) = self.all.contiguous_iter() else {
             return true;
         };
@@ -68,10 +68,7 @@ impl<T: Component> Changes<'_, '_, T> {
                 .is_changed_iter()
                 .enumerate()
                 .filter(|(_, is_changed)| *is_changed);
-            changed.any(|(i, _)| match kinds {
-                Some(kinds) => kinds[i] == RigidBody::Static,
-                None => !kept.moves(entities[i]),
-            })
+            changed.any(|(i, _)| kept.note_written(entities[i], kinds.map(|kinds| kinds[i])))
         })
     }
 }
@@ -123,8 +120,8 @@ pub(crate) struct StaticChanges<'w, 's> {
 }
 
 impl StaticChanges<'_, '_> {
-    /// Whether anything that does not move has changed.
-    pub fn any(&self, kept: &Kept) -> bool {
+    /// Whether anything static has changed. Notes changes of dormant bodies.
+    pub fn any(&self, kept: &mut Kept) -> bool {
         macro_rules! any {
             ($($group:ident: [$($index:tt)*])*) => { false $($(|| self.$group.$index.any_static(kept))*)* };
         }

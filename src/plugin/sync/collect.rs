@@ -103,6 +103,7 @@ pub(crate) fn collect(
     step.parts.clear();
     step.tables.poll();
     let counts = [bodies.iter().len(), hierarchy.children.iter().len()];
+    step.kept.begin(&step.state.input.bodies);
     let mut before = Before {
         nested: step.nested.take_some(&step.kept.movers),
         driven: step.driven.take(),
@@ -111,7 +112,7 @@ pub(crate) fn collect(
         && !step.engine.is_latent()
         && !meshes.meshes.is_changed()
         && changes.add_movers(&mut step.kept)
-        && !changes.any(&step.kept);
+        && !changes.any(&mut step.kept);
     let mut reader = Reader {
         step,
         meshes: &meshes,
@@ -186,6 +187,7 @@ pub(crate) fn collect(
     }
 
     let is_complete = step.faults.is_empty() && !misses_mesh && step.tables.in_bake() == 0;
+    let asleep = step.counts.asleep;
     if is_complete && step.oddities.were_none() && step.sheared.is_empty() && !step.engine.is_latent() {
         let Step {
             state,
@@ -202,6 +204,7 @@ pub(crate) fn collect(
             children.all(),
             read_rules,
             counts,
+            asleep,
         );
     }
     step.tables.retain(|id| meshes.meshes.contains(id));
@@ -234,15 +237,7 @@ fn finish(
             computed.set_if_neq(ComputedCenterOfMass(center));
         }
     }
-    let [fixed, moving] = step.collected.rows.entities.keys();
-    let keys = &mut step.state.input.keys;
-    if step.state.input.bodies.revision.is_known() {
-        keys.truncate(fixed.len());
-    } else {
-        keys.clear();
-        keys.extend_from_slice(fixed);
-    }
-    keys.extend_from_slice(moving);
+    step.write_keys();
     read_planes(step, plane_query, hierarchy, has_hooks);
 
     let named = |entity: Entity| named(entity, names.get(entity).ok());
@@ -282,6 +277,24 @@ fn read_planes(step: &mut Step, query: &Query<PlaneComponents, IsPlane>, hierarc
 }
 
 impl Step {
+    /// Writes the keys of all colliders, but for those that are there from the last step.
+    fn write_keys(&mut self) {
+        let [fixed, moving] = self.collected.rows.entities.keys();
+        let keys = &mut self.state.input.keys;
+        let known = self.state.input.bodies.revision.is_known();
+        if known && self.kept.has_keys {
+            return;
+        }
+        if known {
+            keys.truncate(fixed.len());
+        } else {
+            keys.clear();
+            keys.extend_from_slice(fixed);
+        }
+        keys.extend_from_slice(moving);
+        self.kept.has_keys = true;
+    }
+
     /// The body of each [`Assembly`] with its centre of mass, in the coordinates of its entity.
     fn centers(&self) -> Vec<(Entity, Vec3)> {
         let center = |assembly: &Assembly| {
@@ -396,7 +409,14 @@ impl Reader<'_, '_> {
         hierarchy: &Hierarchy,
         counts: [usize; 2],
     ) -> bool {
-        let mut movers = std::mem::take(&mut self.step.kept.movers);
+        let kept = &mut self.step.kept;
+        let skips_dormant = kept.may_skip_dormant(counts[0]);
+        let list = if skips_dormant {
+            &mut kept.awake
+        } else {
+            &mut kept.movers
+        };
+        let mut movers = std::mem::take(list);
         let mut others = std::mem::take(&mut self.step.others);
         others.clear();
         self.step
@@ -416,12 +436,17 @@ impl Reader<'_, '_> {
             self.add(&mut body, &mut others);
             true
         });
-        is_same &= counts[0] == self.step.kept.counts[0] + movers.len();
+        is_same &= skips_dormant || counts[0] == self.step.kept.counts[0] + movers.len();
         if is_same {
             self.others(bodies, &mut others, hierarchy);
             is_same = self.moving_children(hierarchy, counts[1]);
         }
-        self.step.kept.movers = movers;
+        let kept = &mut self.step.kept;
+        *(if skips_dormant {
+            &mut kept.awake
+        } else {
+            &mut kept.movers
+        }) = movers;
         self.step.others = others;
         is_same &= !self.misses_mesh;
         if is_same {
@@ -431,7 +456,15 @@ impl Reader<'_, '_> {
             is_same &= !stable.any(|candidate| kept.rows.entities.has_key(candidate.id.key));
         }
         if is_same {
-            self.step.fill_moving();
+            self.step.state.input.bodies.list_movers();
+            let ids = self.step.candidates.iter().map(|candidate| &candidate.id);
+            if self.step.kept.has_same(&self.step.state.input.bodies, ids) {
+                self.step.fill_again();
+            } else if !skips_dormant {
+                self.step.fill_moving();
+            } else {
+                is_same = false;
+            }
         }
         is_same && self.step.new_faults.is_empty()
     }
@@ -477,6 +510,7 @@ impl Reader<'_, '_> {
         self.drive(body, posed, velocities);
         let stretch = posed.stretch;
         let mut own = body.body(posed, velocities);
+        own.params.always_read = body.parent.is_some();
         own.mesh = mesh;
         own.scale = Vec3::new(
             stretch.x_axis.x as f32,

@@ -8,6 +8,7 @@ mod collected;
 pub(crate) mod components;
 pub(crate) mod driven;
 pub(crate) mod entity_hooks;
+mod entity_index_set;
 pub(crate) mod hierarchy;
 mod kept;
 mod key_order;
@@ -30,6 +31,7 @@ use crate::plugin::backend::Engine;
 #[cfg(feature = "gpu")]
 use crate::plugin::settings::LATENCY;
 use crate::state::fault::BodyFault;
+use crate::state::revision::Revision;
 use crate::state::{Counts, Motion, StepInput};
 use crate::step::StepState;
 #[cfg(feature = "gpu")]
@@ -103,6 +105,10 @@ pub(crate) struct Step {
     pub oddities: oddities::Oddities,
     /// Pairs whose collision has started and not ended, ascending.
     pub touching: Vec<Touching>,
+    /// Those of dormant bodies, ascending, which are not among these.
+    pub touching_dormant: Vec<Touching>,
+    /// Names the dormant bodies whose contacts are published.
+    pub published_dormant: Revision,
     /// Scratch: the same pairs after this step.
     pub touching_now: Vec<Touching>,
     /// Scratch: pairs that no longer touch, but whose collision has not ended.
@@ -193,6 +199,8 @@ impl Step {
             new_faults: Vec::new(),
             oddities: oddities::Oddities::default(),
             touching: Vec::new(),
+            touching_dormant: Vec::new(),
+            published_dormant: Revision::UNKNOWN,
             touching_now: Vec::new(),
             lingering: Vec::new(),
             touching_both_ways: Vec::new(),
@@ -248,6 +256,7 @@ impl Step {
             (self.state.memory, self.state.results.manifolds) = memory.to_cpu();
             self.forget();
         } else {
+            self.rouse_all();
             self.remember(&DeviceMemory::from_cpu(
                 &self.state.memory,
                 &self.state.results.manifolds,
@@ -285,7 +294,7 @@ impl Step {
         };
         self.engine.run(stage, &mut self.state, &mut hooks);
         if stage == Stage::Integrate {
-            self.counts = self.state.results.counts();
+            self.counts = self.state.counts();
             self.counts.asleep = self.bodies_asleep();
             // Swapped instead of moved, so that the next step reuses the memory.
             std::mem::swap(self.results.get_or_insert_default(), &mut self.collected);
@@ -326,8 +335,29 @@ impl Step {
     /// Number of bodies asleep after a step on the CPU.
     fn bodies_asleep(&self) -> usize {
         let (bodies, asleep) = (&self.state.input.bodies, &self.state.results.asleep);
-        let is_asleep = |&i: &usize| asleep.get(i) == Some(&true) && bodies.is_body(i);
-        bodies.movers().filter(is_asleep).count()
+        let dormant = &bodies.dormant;
+        let is_asleep = |&i: &usize| asleep.get(i) == Some(&true) && bodies.is_body(i) && !dormant.has(i);
+        dormant.count + bodies.movers().filter(is_asleep).count()
+    }
+
+    /// Whether other bodies are dormant than those whose contacts are published.
+    pub fn has_new_dormant(&self) -> bool {
+        let now = self.state.input.bodies.dormant.name;
+        !now.is(self.published_dormant) && (now.is_known() || self.published_dormant.is_known())
+    }
+
+    /// Ends the dormancy of all bodies, so that the memory of the last step is complete.
+    pub fn rouse_all(&mut self) {
+        self.state.rouse_all();
+        self.join_touching();
+    }
+
+    /// Joins the collisions of bodies that were dormant to the others.
+    pub fn join_touching(&mut self) {
+        if !self.touching_dormant.is_empty() {
+            self.touching.append(&mut self.touching_dormant);
+            self.touching.sort_unstable_by_key(|touching| touching.pair);
+        }
     }
 
     /// Runs a step if its results come later. Returns false if results are not to come later.
@@ -454,6 +484,7 @@ impl Step {
 
     /// Drops pending results. Bodies continue from the state in their components.
     pub fn forget(&mut self) {
+        self.rouse_all();
         #[cfg(feature = "gpu")]
         {
             if let Some(gpu) = self.engine.gpu_step() {

@@ -9,7 +9,7 @@ use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
 use crate::plugin::events::{CollisionEnd, CollisionStart};
 use crate::plugin::settings::EventHysteresis;
-use crate::state::StepInput;
+use crate::state::{Contacts, StepInput};
 use crate::types::body::*;
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::EntityHashSet;
@@ -138,6 +138,9 @@ impl WrittenTransforms<'_, '_> {
 /// Finds which of the colliders and bodies that touched were placed by others since the last step.
 pub(crate) fn find_written(mut step: ResMut<Step>, written: WrittenTransforms) {
     let step = &mut *step;
+    if step.has_new_dormant() {
+        step.join_touching();
+    }
     step.written.clear();
     let Some(written_at) = step.written_at else { return };
     let touching =
@@ -258,6 +261,10 @@ pub(crate) fn publish(
 ) {
     let step = &mut *step;
     (report.in_flight, report.waits) = step.engine.flights();
+    let step_has_new_dormant = step.has_new_dormant();
+    if step_has_new_dormant {
+        step.join_touching();
+    }
     let Some(results) = &mut step.results else { return };
     let counts = step.counts;
     if counts.crowded > 0 && report.crowded_bodies == 0 {
@@ -282,6 +289,7 @@ pub(crate) fn publish(
         collision_substeps: step.state.results.collision_substeps,
         mean_collision_substeps: step.state.results.mean_collision_substeps,
         sleeping: counts.asleep,
+        dormant: counts.dormant,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         parallel_stages: step.engine.parallel_stages(),
@@ -291,26 +299,18 @@ pub(crate) fn publish(
     };
 
     put_in_key_order(&mut step.state.results.contacts, &results.entities);
-    let contacts = &step.state.results.contacts;
     let hold = seconds(*hysteresis);
-    let pairs = contacts.pairs.iter().map(|pair| Touching {
-        pair: pair.bodies.map(|i| results.entities.keyed(i as usize)),
-        bodies: pair.bodies.map(|i| results.bodies[i as usize]),
-        left: if pair.passing { 0.0 } else { hold },
-    });
-    let planes = contacts.planes.iter().map(|c| {
-        let plane = results.planes.keyed(c.plane as usize);
-        let (collider, body) = (results.entities.keyed(c.body as usize), results.bodies[c.body as usize]);
-        let touching = Touching {
-            pair: [collider, plane],
-            bodies: [body, plane.entity],
-            left: hold,
-        };
-        touching.ordered()
-    });
     let touching = &mut step.touching_now;
     touching.clear();
-    touching.extend(pairs.chain(planes));
+    add_touching(&step.state.results.contacts, results, hold, touching);
+    let dormant_changed = step_has_new_dormant;
+    if dormant_changed {
+        let waiting = &step.state.scratch.dormant;
+        collisions.dormant_contacts.clone_from(&waiting.contacts);
+        collisions.dormant_manifolds.copy_from(&waiting.manifolds);
+        put_in_key_order(&mut collisions.dormant_contacts, &results.entities);
+        add_touching(&collisions.dormant_contacts, results, hold, touching);
+    }
     touching.sort_unstable_by_key(|touching| touching.pair);
     let dt = step.state.input.config.dt;
     let is_latent = step.engine.is_latent();
@@ -368,7 +368,7 @@ pub(crate) fn publish(
     if !colliding.is_empty() {
         let both = &mut step.touching_both_ways;
         both.clear();
-        for &Touching { pair, bodies, .. } in touching.iter() {
+        for &Touching { pair, bodies, .. } in touching.iter().chain(&step.touching_dormant) {
             for (own, other) in [(0, 1), (1, 0)] {
                 both.push((pair[own].entity, pair[other]));
                 if bodies[own] != pair[own].entity {
@@ -390,6 +390,14 @@ pub(crate) fn publish(
         }
     }
     std::mem::swap(&mut step.touching, &mut step.touching_now);
+    if dormant_changed {
+        step.published_dormant = step.state.input.bodies.dormant.name;
+        let dormant = &mut step.touching_dormant;
+        add_touching(&collisions.dormant_contacts, results, hold, dormant);
+        dormant.sort_unstable_by_key(|touching| touching.pair);
+        let waits = |touching: &Touching| dormant.binary_search_by_key(&touching.pair, |own| own.pair).is_ok();
+        step.touching.retain(|touching| !waits(touching));
+    }
 
     report.total = step.begun.elapsed();
     std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);
@@ -397,6 +405,26 @@ pub(crate) fn publish(
     std::mem::swap(&mut collisions.planes, &mut results.planes);
     // Copied, because the next step reuses the manifolds of bodies asleep.
     collisions.manifolds.copy_from(&step.state.results.manifolds);
+}
+
+/// Adds the pairs that touch, of which each ends `hold` seconds after its last touch.
+fn add_touching(contacts: &Contacts, results: &Collected, hold: f32, touching: &mut Vec<Touching>) {
+    let pairs = contacts.pairs.iter().map(|pair| Touching {
+        pair: pair.bodies.map(|i| results.entities.keyed(i as usize)),
+        bodies: pair.bodies.map(|i| results.bodies[i as usize]),
+        left: if pair.passing { 0.0 } else { hold },
+    });
+    let planes = contacts.planes.iter().map(|c| {
+        let plane = results.planes.keyed(c.plane as usize);
+        let (collider, body) = (results.entities.keyed(c.body as usize), results.bodies[c.body as usize]);
+        let touching = Touching {
+            pair: [collider, plane],
+            bodies: [body, plane.entity],
+            left: hold,
+        };
+        touching.ordered()
+    });
+    touching.extend(pairs.chain(planes));
 }
 
 /// Whether the bounding spheres of a pair overlap, or one of them a plane.

@@ -1,4 +1,4 @@
-//! A list in two parts: what rests, which steps share, and what moves, which each step lists anew.
+//! A list in two parts, of what rests and of what moves. Steps share each part for as long as it stays the same.
 
 use std::ops::Index;
 use std::sync::Arc;
@@ -7,51 +7,43 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub(crate) struct Split<T> {
     fixed: Arc<Vec<T>>,
-    moving: Vec<T>,
+    moving: Arc<Vec<T>>,
 }
 
 impl<T> Default for Split<T> {
     fn default() -> Self {
         Self {
             fixed: Arc::default(),
-            moving: Vec::new(),
+            moving: Arc::default(),
         }
     }
 }
 
-impl<T> Split<T> {
+impl<T: Clone> Split<T> {
     /// Removes all.
     pub fn clear(&mut self) {
-        self.moving.clear();
-        match Arc::get_mut(&mut self.fixed) {
-            // With the larger memory.
-            Some(fixed) => {
-                fixed.clear();
-                if fixed.capacity() > self.moving.capacity() {
-                    std::mem::swap(fixed, &mut self.moving);
-                }
-            }
-            None => self.fixed = Arc::default(),
+        empty(&mut self.fixed);
+        empty(&mut self.moving);
+        // The next elements go to the larger memory.
+        if self.fixed.capacity() > self.moving.capacity() {
+            std::mem::swap(&mut self.fixed, &mut self.moving);
         }
     }
 
     /// What has been pushed so far is the part that rests.
     pub fn end_fixed(&mut self) {
-        match Arc::get_mut(&mut self.fixed) {
-            Some(fixed) => std::mem::swap(fixed, &mut self.moving),
-            None => self.fixed = Arc::new(std::mem::take(&mut self.moving)),
-        }
-        self.moving.clear();
+        std::mem::swap(&mut self.fixed, &mut self.moving);
+        empty(&mut self.moving);
     }
 
     /// Takes the part that rests from another list, and has none that moves.
     pub fn begin_moving(&mut self, other: &Self) {
         self.fixed = Arc::clone(&other.fixed);
-        self.moving.clear();
+        empty(&mut self.moving);
     }
 
     pub fn push(&mut self, element: T) {
-        self.moving.push(element);
+        Arc::make_mut(&mut self.moving).push(element);
     }
 
     pub fn len(&self) -> usize {
@@ -68,7 +60,7 @@ impl<T> Split<T> {
     /// Replaces an element. One that rests must not be shared yet.
     pub fn set(&mut self, i: usize, element: T) {
         match i.checked_sub(self.fixed.len()) {
-            Some(i) => self.moving[i] = element,
+            Some(i) => Arc::make_mut(&mut self.moving)[i] = element,
             None => {
                 if let Some(fixed) = Arc::get_mut(&mut self.fixed) {
                     fixed[i] = element;
@@ -78,12 +70,20 @@ impl<T> Split<T> {
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &T> + Clone {
-        self.fixed.iter().chain(&self.moving)
+        self.fixed.iter().chain(self.moving.iter())
     }
 
     /// Both parts.
     pub fn parts(&self) -> [&[T]; 2] {
         [&self.fixed, &self.moving]
+    }
+}
+
+/// Empties a list, and keeps its memory if no other has it.
+fn empty<T>(list: &mut Arc<Vec<T>>) {
+    match Arc::get_mut(list) {
+        Some(own) => own.clear(),
+        None => *list = Arc::default(),
     }
 }
 

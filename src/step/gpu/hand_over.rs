@@ -120,6 +120,7 @@ impl DeviceMemory {
             warm: WarmStart::from_device(&saved.0[..pairs], &saved.1[..points], key_of),
             left_out: Vec::new(),
             revision: Revision::UNKNOWN,
+            layout: Revision::UNKNOWN,
         };
         let mut last_pairs: Vec<_> = last.0[..pairs].iter().map(Manifold::from).collect();
         last_pairs.sort_unstable_by_key(|pair| pair_order(pair.bodies, keys.len() as u32));

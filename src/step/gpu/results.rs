@@ -233,6 +233,7 @@ impl Raw {
         let count = |counter: u32| self.counters[counter as usize] as usize;
         let mut output = Output {
             counts: Counts {
+                dormant: 0,
                 sphere_pairs: count(SPHERE_PAIRS),
                 approximate_pairs: count(APPROXIMATE),
                 touching_pairs: count(TOUCHING),
