@@ -149,6 +149,14 @@ const HAPPENINGS: &[Happening] = &[
             ContinuousCollision,
         );
     }),
+    ("a light ball is thrown by heavier ones within a step", |heaps| {
+        // From the first to the last its speed grows eightfold, by more than a step reckons with at its beginning.
+        for (i, mass) in [1000.0, 50.0, 2.0, 0.1].into_iter().enumerate() {
+            let (speed, height) = (if i == 0 { -50.0 } else { 0.0 }, 8.0 - 1.102 * i as f32);
+            let more = (Mass(mass), Restitution::new(1.0), GravityScale(0.0));
+            heaps.throw(3, Vec3::new(4.1, height, 9.0), Vec3::new(0.0, speed, 0.0), more);
+        }
+    }),
     ("a sleeper is pushed", |heaps| {
         let body = heaps.bodies[17];
         let push = ExternalForces {
