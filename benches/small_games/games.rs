@@ -84,6 +84,14 @@ pub const GAMES: &[Game] = &[
     }),
     game("4,000 cubes asleep on a floor, ten in flight", 128, sleepers),
     game("one cube spawned and one despawned a step, 20,000 static", 64, spawning),
+    game(
+        "one cube spawned and one despawned a step, 4,000 asleep",
+        128,
+        |world| {
+            sleepers(world);
+            spawner(world);
+        },
+    ),
     game("ball in a room", 256, |world| {
         let room = shapes::cube(4.0);
         let inward = room.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
@@ -140,6 +148,10 @@ fn sleepers(world: &mut World) {
 /// A level in which a cube comes and another goes in every step.
 fn spawning(world: &mut World) {
     level(world, 20_000);
+    spawner(world);
+}
+
+fn spawner(world: &mut World) {
     let cube = mesh(world, &shapes::cube(1.0));
     let spawn = move |mut commands: Commands, mut last: Local<Option<Entity>>| {
         if let Some(last) = last.take() {

@@ -213,7 +213,8 @@ impl Collisions {
     /// diameter, and grows with its speed.
     ///
     /// In the order of the step: first pairs of colliders, then colliders (first) with planes (second). Of a pair the static
-    /// collider comes first, else the smaller one. Sensors have no manifolds, and
+    /// collider comes first, else the one with the smaller [`StableKey`](crate::plugin::components::StableKey), else the one that
+    /// was spawned first. Sensors have no manifolds, and
     /// [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
     ///
     /// # A solver of your own

@@ -14,10 +14,11 @@ use std::marker::PhantomData;
 
 /// Decides about pairs of colliders. Implement it for a system parameter that reads the world, and add that to the app with a
 /// [`CollisionHooksPlugin`]. It is called for pairs with
-/// [`ActiveCollisionHooks`](crate::types::hooks::ActiveCollisionHooks), in every collision substep, in the order of
-/// [`StableKey`](crate::plugin::components::StableKey), then of entities.
+/// [`ActiveCollisionHooks`](crate::types::hooks::ActiveCollisionHooks), in every collision substep.
 ///
-/// Of a pair of colliders the smaller one in this order comes first. A plane comes second. Commands are applied after the
+/// Of a pair a static collider comes first, else the one with the smaller
+/// [`StableKey`](crate::plugin::components::StableKey), else the one that was spawned first. A plane comes second. Pairs are in
+/// this order too. Commands are applied after the
 /// stage that calls the hook.
 ///
 /// * **Filter**: a pair that is left out is not tested, does not touch and is not reported. A sleeping body wakes when

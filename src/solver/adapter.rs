@@ -20,15 +20,15 @@ impl SolverBodies {
     /// If there are fewer `keys` than bodies.
     pub fn read(&mut self, bodies: &Bodies, planes: &[Plane], keys: &[u64]) {
         let is_known = self.revision.is(bodies.revision);
-        self.parts.clear();
-        if is_known && self.layout.is(bodies.layout) {
-            self.truncate(bodies.len());
-            bodies.movers().for_each(|i| self.set(i, bodies));
-        } else if is_known {
-            self.truncate(bodies.static_count);
+        let same = bodies.same_since(self.revision, self.layout).min(self.colliders);
+        if is_known {
+            self.truncate(same);
+            self.parts.clear();
         } else {
             self.clear();
         }
+        let again = bodies.movers().take_while(|&i| i < same);
+        again.for_each(|i| self.set(i, bodies));
         for (i, &key) in keys.iter().enumerate().take(bodies.len()).skip(self.len()) {
             let number = self.push(key, collider_of(bodies, i), collider_motion(bodies, i));
             self.forces[number as usize] = bodies.params[i].forces;

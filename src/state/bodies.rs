@@ -95,6 +95,8 @@ pub struct Bodies {
     pub(crate) static_margin: Option<f32>,
     /// Names which collider has which number, where that is known.
     pub(crate) layout: Revision,
+    /// Since the layout before, so many of the first colliders have kept their numbers.
+    pub(crate) layout_before: (Revision, usize),
     /// The colliders that are dormant.
     pub(crate) dormant: DormantSet,
 }
@@ -160,7 +162,11 @@ impl Bodies {
 
     /// Removes all bodies and keeps the memory.
     pub fn clear(&mut self) {
-        self.keep_first(0);
+        self.truncate_rows(0);
+        self.separate();
+        self.end_dormancy();
+        self.layout = Revision::UNKNOWN;
+        self.layout_before = Default::default();
         self.moving.clear();
         self.static_count = 0;
         self.is_listed = false;
@@ -169,28 +175,37 @@ impl Bodies {
         self.static_margin = None;
     }
 
-    /// Removes all but the static bodies, whose state is known.
-    #[cfg(feature = "bevy")]
-    pub(crate) fn keep_static_only(&mut self) {
-        self.keep_first(self.static_count);
-    }
-
-    fn keep_first(&mut self, count: usize) {
-        self.truncate_rows(count);
+    fn separate(&mut self) {
         self.compounds.clear();
         self.parts.clear();
         self.part_index.clear();
-        self.layout = Revision::UNKNOWN;
-        self.end_dormancy();
     }
 
-    /// Begins to write the colliders again that are not static or dormant: each gets its new values, and those of compounds are
-    /// joined anew.
+    /// Begins to write the colliders again that are neither static nor dormant. Only the first `count`, among which all of these
+    /// are, keep their numbers. Compounds are joined anew.
     #[cfg(feature = "bevy")]
-    pub(crate) fn begin_rewriting(&mut self) {
-        self.compounds.clear();
-        self.parts.clear();
-        self.part_index.clear();
+    pub(crate) fn begin_rewriting(&mut self, count: usize) {
+        self.separate();
+        if count < self.len() {
+            self.truncate_rows(count);
+            self.dormant.flags.truncate(count);
+            self.moving.retain(|&i| (i as usize) < count);
+        }
+    }
+
+    /// How many of the first colliders have kept their numbers since the static ones were in the state `revision`, and all in
+    /// the `layout`.
+    pub(crate) fn same_since(&self, revision: Revision, layout: Revision) -> usize {
+        let (before, same) = self.layout_before;
+        if !revision.is(self.revision) {
+            0
+        } else if layout.is(self.layout) {
+            self.len()
+        } else if layout.is(before) {
+            same.max(self.static_count)
+        } else {
+            self.static_count
+        }
     }
 
     /// No collider is dormant any more.
@@ -215,12 +230,14 @@ impl Bodies {
         self.revision = Revision::UNKNOWN;
         self.list_movers();
         self.revision = Revision::new();
-        self.keep_layout();
+        self.keep_layout(0);
     }
 
-    /// Names the present numbers of all colliders. Until the next call they may only be [written again](Bodies::rewrite).
+    /// Names the present numbers of all colliders, of which the first `same` are those of the layout before. Until the next call
+    /// colliders may only be [written again](Bodies::rewrite).
     #[cfg(feature = "bevy")]
-    pub(crate) fn keep_layout(&mut self) {
+    pub(crate) fn keep_layout(&mut self, same: usize) {
+        self.layout_before = (self.layout, same);
         self.layout = Revision::new();
     }
 

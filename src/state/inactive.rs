@@ -31,28 +31,17 @@ impl InactiveBodies {
         self.any = false;
     }
 
-    /// Prepares for a step of `count` bodies and planes, of which none is inactive yet. The first `same` ones are static, and
-    /// remain inactive because they are unchanged since the last step.
-    pub fn begin(&mut self, count: usize, same: usize) {
+    /// Prepares for a step of `count` bodies and planes. The first `same` ones have the numbers of the last step; those of them that
+    /// are not among the `movers` remain inactive. The others are not inactive yet.
+    pub fn begin(&mut self, count: usize, same: usize, movers: impl Iterator<Item = usize>, has_active_static: bool) {
         self.numbers.clear();
         self.replaced.clear();
         self.any = false;
         self.flags.clear();
         self.flags.resize(same, true);
         self.flags.resize(count, false);
-        self.has_active_static = same == 0;
-    }
-
-    /// Prepares for a step with the numbers of the last one, of `count` bodies and planes. None of the `movers` and planes, which
-    /// are numbered from `first_plane` on, is inactive yet; the others still are.
-    pub fn begin_again(&mut self, movers: impl Iterator<Item = usize>, first_plane: usize, count: usize) {
-        self.numbers.clear();
-        self.replaced.clear();
-        self.any = false;
-        movers.for_each(|i| self.flags[i] = false);
-        self.flags.truncate(first_plane);
-        self.flags.resize(count, false);
-        self.has_active_static = false;
+        movers.take_while(|&i| i < same).for_each(|i| self.flags[i] = false);
+        self.has_active_static = has_active_static;
     }
 
     /// Sets whether planes, which are numbered from `first_plane` on, are unchanged since the last step.

@@ -87,7 +87,7 @@ fn divide(
             memory,
             results,
         };
-        dormant.rouse(met, &mut lists);
+        dormant.rouse(met, 0, &mut lists);
     }
     schedule.set_each(reach.collision_substeps(&input.bodies));
 }
@@ -100,12 +100,9 @@ fn load_bodies(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch
         inactive,
         ..
     } = scratch;
-    let is_known = solver_bodies.revision().is(input.bodies.revision);
-    let known = match is_known {
-        true if solver_bodies.layout().is(input.bodies.layout) => input.bodies.len(),
-        true => input.bodies.static_count,
-        false => 0,
-    };
+    let known = input
+        .bodies
+        .same_since(solver_bodies.revision(), solver_bodies.layout());
     input.write_keys(keys, known);
     solver_bodies.read(&input.bodies, &input.planes, keys);
     memory.restore(input, solver_bodies, inactive);

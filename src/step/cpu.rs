@@ -176,7 +176,7 @@ fn find_sphere_pairs(
             memory,
             results,
         };
-        let roused = scratch.dormant.rouse(met, &mut lists);
+        let roused = scratch.dormant.rouse(met, number, &mut lists);
         let places = roused.iter().filter_map(|i| input.bodies.moving.binary_search(i).ok());
         scratch.schedule.add_roused(places, &input.bodies);
         scratch.schedule.begin(number, &config, &mut input.bodies);

@@ -41,9 +41,13 @@ pub(crate) struct Dormant {
     /// What touches in these groups, as the last step before reported it.
     pub contacts: Contacts,
     pub manifolds: Manifolds,
+    /// The number of the first plane in these.
+    first_plane: u32,
     impulses: WarmStart,
     sphere_pairs: Vec<[u32; 2]>,
     candidates: Candidates,
+    /// Whether dormancy has ended in this step.
+    has_ended: bool,
 }
 
 /// A dormant group.
@@ -96,8 +100,22 @@ impl Dormant {
 
     /// Begins a step: rouses all if anything has changed for them. Their numbers are those of the last step.
     pub fn begin(&mut self, input: &mut StepInput, memory: &mut StepMemory, results: &mut StepResults) {
-        if !self.groups.is_empty() && !self.may_last(input) {
+        self.has_ended = !self.groups.is_empty() && !self.may_last(input);
+        if self.has_ended {
             self.end(&mut input.bodies, memory, results);
+        }
+    }
+
+    /// Sets the number of the first plane, which follows those of all colliders.
+    pub fn renumber_planes(&mut self, first_plane: u32) {
+        let before = std::mem::replace(&mut self.first_plane, first_plane);
+        if before == first_plane {
+            return;
+        }
+        let pairs = self.manifolds.pairs.iter_mut().map(|pair| &mut pair.bodies);
+        let surfaces = self.manifolds.surfaces.iter_mut().map(|(pair, _)| pair);
+        for [_, other] in pairs.chain(surfaces).filter(|pair| pair[1] >= before) {
+            *other = *other - before + first_plane;
         }
     }
 
@@ -109,8 +127,8 @@ impl Dormant {
 
     /// Returns all that waits to the lists of the last step. No body is dormant any more.
     pub fn end(&mut self, bodies: &mut Bodies, memory: &mut StepMemory, results: &mut StepResults) {
-        let first_plane = self.group_of.len() as u32;
-        results.manifolds = results.manifolds.merged(&self.manifolds, first_plane);
+        self.renumber_planes(memory.keys.len() as u32);
+        results.manifolds = results.manifolds.merged(&self.manifolds, self.first_plane);
         memory.warm = memory.warm.merged(&self.impulses);
         self.forget(bodies);
     }
@@ -145,8 +163,8 @@ impl Dormant {
         Met::of(near.map(|(&first, _)| first).collect())
     }
 
-    /// Rouses the groups of these bodies. Returns their colliders, ascending.
-    pub fn rouse(&mut self, Met(met): Met, lists: &mut Lists) -> Vec<u32> {
+    /// Rouses the groups of these bodies in collision substep `number`. Returns their colliders, ascending.
+    pub fn rouse(&mut self, Met(met): Met, number: u32, lists: &mut Lists) -> Vec<u32> {
         let Lists {
             bodies,
             solver_bodies,
@@ -169,7 +187,9 @@ impl Dormant {
         solver_bodies.take_movers(bodies);
         inactive.any = true;
 
-        let first_plane = bodies.len() as u32;
+        // At first there are the manifolds of the last step, whose planes may have other numbers.
+        let first_plane = if number == 0 { memory.keys.len() } else { bodies.len() } as u32;
+        self.renumber_planes(first_plane);
         let has = |pair: [u32; 2]| pair.iter().any(|i| roused.binary_search(i).is_ok());
         let has_key = any_of(&roused, &solver_bodies.keys);
         results.manifolds = results.manifolds.merged(&self.manifolds.select(has), first_plane);
@@ -267,7 +287,8 @@ impl Dormant {
     pub fn settle(&mut self, config: &StepConfig, planes: &[Plane], margins: SpeculativeMargins, lists: &mut Lists) {
         let own = &mut self.candidates;
         let has_drift = margins != SpeculativeMargins::Moving { drift: Vec3::ZERO };
-        if !own.any || has_drift || lists.results.crowd.bodies > 0 {
+        // What ends again and again costs more than it saves.
+        if !own.any || has_drift || self.has_ended || lists.results.crowd.bodies > 0 {
             return;
         }
         let Lists {
@@ -310,6 +331,8 @@ impl Dormant {
             bodies.speculative_radius[i as usize] = ROUNDING * Sweep::of(bodies, config, i).radius;
         }
         let first_plane = bodies.len() as u32;
+        let pairs = std::mem::take(&mut own.pairs);
+        self.renumber_planes(first_plane);
         let has = |pair: [u32; 2]| pair.iter().any(|i| fallen.binary_search(i).is_ok());
         let has_key = any_of(&fallen, &solver_bodies.keys);
         let (contacts, manifolds) = (&mut results.contacts, &mut results.manifolds);
@@ -319,7 +342,7 @@ impl Dormant {
         *manifolds = manifolds.select(|pair| !has(pair));
         self.impulses = self.impulses.merged(&memory.warm.select(&has_key));
         memory.warm = memory.warm.select(|keys| !has_key(keys));
-        self.sphere_pairs.extend(own.pairs.iter().filter(|&&pair| has(pair)));
+        self.sphere_pairs.extend(pairs.iter().filter(|&&pair| has(pair)));
         results.sphere_pairs.retain(|&pair| !has(pair));
         self.config = *config;
         planes.clone_into(&mut self.planes);

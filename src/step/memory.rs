@@ -61,15 +61,10 @@ impl StepMemory {
             config, bodies, planes, ..
         } = input;
         let all_wake = self.gravity != config.gravity;
-        let is_known = self.revision.is(bodies.revision);
-        // The static bodies that are those of the last step, with their numbers.
-        let same = if is_known { bodies.static_count } else { 0 };
-        let has_layout = is_known && self.layout.is(bodies.layout);
-        if has_layout {
-            inactive.begin_again(bodies.movers(), bodies.len(), solver_bodies.len());
-        } else {
-            inactive.begin(solver_bodies.len(), same);
-        }
+        // The bodies that have the numbers of the last step.
+        let same = bodies.same_since(self.revision, self.layout).min(self.keys.len());
+        let has_active_static = !self.revision.is(bodies.revision);
+        inactive.begin(solver_bodies.len(), same, bodies.movers(), has_active_static);
         // Taken out, because the others change meanwhile.
         let keys = std::mem::take(&mut solver_bodies.keys);
         let mut restore = |i: usize, before: usize| {
@@ -100,11 +95,10 @@ impl StepMemory {
             }
         };
         let (before, now) = (&self.keys[same..], &keys[same..bodies.len()]);
-        let are_same = has_layout || before == now;
+        let are_same = before == now;
         let mut numbers = vec![GONE; if are_same { 0 } else { before.len() }];
-        if has_layout {
-            bodies.movers().for_each(|i| restore(i, i));
-        } else if are_same {
+        bodies.movers().take_while(|&i| i < same).for_each(|i| restore(i, i));
+        if are_same {
             (same..bodies.len()).for_each(|i| restore(i, i));
         } else {
             for (i, number) in (same..).zip(remap::previous_numbers(before, now)) {
@@ -141,16 +135,13 @@ impl StepMemory {
             body: input.bodies.body_of(i as u32),
             had_impact: ccd.had_impact(input.bodies.body_of(i as u32) as usize),
         };
-        let is_known = self.revision.is(input.bodies.revision);
-        let same = if is_known { input.bodies.static_count } else { 0 };
-        if is_known && self.layout.is(input.bodies.layout) {
-            input.bodies.movers().for_each(|i| self.bodies[i] = saved(i));
-        } else {
-            self.keys.truncate(same);
-            self.keys.extend_from_slice(&solver_bodies.keys[same..count]);
-            self.bodies.truncate(same);
-            self.bodies.extend((same..count).map(saved));
-        }
+        let same = input.bodies.same_since(self.revision, self.layout).min(self.keys.len());
+        self.keys.truncate(same);
+        self.keys.extend_from_slice(&solver_bodies.keys[same..count]);
+        self.bodies.truncate(same);
+        let again = input.bodies.movers().take_while(|&i| i < same);
+        again.for_each(|i| self.bodies[i] = saved(i));
+        self.bodies.extend((same..count).map(saved));
         self.revision = input.bodies.revision;
         self.layout = input.bodies.layout;
         input.planes.clone_into(&mut self.planes);

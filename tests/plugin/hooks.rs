@@ -185,7 +185,8 @@ pub fn friends_pass_through_each_other_and_foes_do_not() {
     assert!(!sim.started.is_empty());
     // Only who has the component is asked about.
     assert!(sim.app.world().get::<Asked>(bystander).is_none());
-    assert!(sim.app.world().get::<Asked>(a).is_some());
+    let was_asked = |body| sim.app.world().get::<Asked>(body).is_some();
+    assert!(was_asked(a) || was_asked(b));
 }
 
 /// A crate sleeps beside a ghost of its team. Far away a fast, thin plate needs several collision substeps.

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Grows with every change of what is written.
-const FORMAT: u32 = 6;
+const FORMAT: u32 = 7;
 
 /// The bits of an [`Entity`].
 pub(super) type Bits = u64;

@@ -106,24 +106,16 @@ impl Step {
         self.join_parts(true);
     }
 
-    /// Fills the arrays with the bodies that were read, which are those that move; the others are those of the last step.
-    pub fn fill_moving(&mut self) {
-        self.state.input.bodies.keep_static_only();
-        self.collected.rows.begin_moving(&self.kept.rows);
-        self.add_candidates(0..self.candidates.len());
-        self.collected.rows.entities.finish();
-        self.collected.rows.body_counts[1] = self.candidates.len();
-        self.join_parts(true);
-        let bodies = &mut self.state.input.bodies;
-        bodies.list_movers();
-        self.kept.keep_layout(bodies, &self.collected.rows);
-    }
-
-    /// Fills the arrays with the bodies that were read, which are all that are neither static nor dormant; each has the number
-    /// that it had in the last step.
-    pub fn fill_again(&mut self) {
+    /// Fills the arrays with the bodies that were read, which are all that are neither static nor dormant; the others are those
+    /// of the last step. Returns false if dormant ones would get other numbers. Then nothing has changed.
+    pub fn fill_moving(&mut self) -> bool {
         let StepInput { bodies, meshes, .. } = &mut self.state.input;
-        bodies.begin_rewriting();
+        let Some(again) = self.kept.same_as_before(bodies, &self.candidates) else {
+            return false;
+        };
+        let count = bodies.len();
+        let (again, same) = (again.candidates, again.colliders);
+        bodies.begin_rewriting(same);
         let moving = std::mem::take(&mut bodies.moving);
         for (&number, Candidate { id, body, is_joined }) in moving.iter().zip(&self.candidates) {
             if let Err(fault) = bodies.rewrite(number as usize, body, meshes, *is_joined) {
@@ -132,7 +124,19 @@ impl Step {
         }
         bodies.moving = moving;
         self.collected.rows.clone_from(&self.kept.all_rows);
-        self.join_parts(false);
+        let is_new = same < count || again < self.candidates.len();
+        if is_new {
+            self.collected.rows.truncate(same);
+            self.add_candidates(again..self.candidates.len());
+            self.collected.rows.entities.finish();
+        }
+        self.join_parts(is_new);
+        if is_new {
+            let bodies = &mut self.state.input.bodies;
+            bodies.list_movers();
+            self.kept.keep_layout(bodies, &self.collected.rows, same);
+        }
+        true
     }
 
     /// Adds some of the candidates to the arrays.
@@ -158,6 +162,11 @@ impl Step {
 
     /// Joins colliders to the bodies of which they are parts. Whose parts they are is new, or known from the last step.
     fn join_parts(&mut self, are_new: bool) {
+        if are_new {
+            let colliders = self.collected.rows.entities.len();
+            let fixed = self.collected.rows.entities.fixed();
+            self.collected.rows.body_counts[1] = colliders - fixed;
+        }
         let Self {
             state,
             assemblies,

@@ -30,10 +30,8 @@ type Read = (
 /// Notes that something at rest loses a component that a step reads. Bevy's `RemovedComponents` forget after two frames, and
 /// frames may be shorter than steps.
 pub(crate) fn note_removed(removed: On<Remove, Read>, step: Option<ResMut<Step>>) {
-    if let Some(mut step) = step
-        && step.kept.is_at_rest(removed.entity)
-    {
-        step.kept.forget();
+    if let Some(mut step) = step {
+        step.kept.note_removed(removed.entity);
     }
 }
 

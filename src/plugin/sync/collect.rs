@@ -120,7 +120,10 @@ pub(crate) fn collect(
         before: &before,
         misses_mesh: false,
     };
-    let is_same = is_same && reader.moving(&mut bodies, &hierarchy, counts);
+    let is_same = is_same
+        && (reader.moving(&mut bodies, &hierarchy, counts)
+            || reader.step.kept.may_skip_dormant() && reader.all_moving(&mut bodies, &hierarchy, counts));
+    reader.step.kept.has_news = false;
     let mut misses_mesh = false;
     if !is_same {
         step.new_faults.clear();
@@ -410,7 +413,7 @@ impl Reader<'_, '_> {
         counts: [usize; 2],
     ) -> bool {
         let kept = &mut self.step.kept;
-        let skips_dormant = kept.may_skip_dormant(counts[0]);
+        let skips_dormant = kept.may_skip_dormant();
         let list = if skips_dormant {
             &mut kept.awake
         } else {
@@ -436,7 +439,8 @@ impl Reader<'_, '_> {
             self.add(&mut body, &mut others);
             true
         });
-        is_same &= skips_dormant || counts[0] == self.step.kept.counts[0] + movers.len();
+        let kept = &self.step.kept;
+        is_same &= counts[0] == kept.counts[0] + kept.mover_count(movers.len(), skips_dormant);
         if is_same {
             self.others(bodies, &mut others, hierarchy);
             is_same = self.moving_children(hierarchy, counts[1]);
@@ -456,17 +460,31 @@ impl Reader<'_, '_> {
             is_same &= !stable.any(|candidate| kept.rows.entities.has_key(candidate.id.key));
         }
         if is_same {
-            self.step.state.input.bodies.list_movers();
-            let ids = self.step.candidates.iter().map(|candidate| &candidate.id);
-            if self.step.kept.has_same(&self.step.state.input.bodies, ids) {
-                self.step.fill_again();
-            } else if !skips_dormant {
-                self.step.fill_moving();
-            } else {
-                is_same = false;
+            let bodies = &mut self.step.state.input.bodies;
+            if !skips_dormant {
+                bodies.end_dormancy();
             }
+            bodies.list_movers();
+            is_same = self.step.fill_moving();
         }
         is_same && self.step.new_faults.is_empty()
+    }
+
+    /// Reads again what moves, dormant bodies too.
+    fn all_moving(
+        &mut self,
+        bodies: &mut Query<BodyComponents, IsBody>,
+        hierarchy: &Hierarchy,
+        counts: [usize; 2],
+    ) -> bool {
+        let step = &mut *self.step;
+        step.new_faults.clear();
+        step.candidates.clear();
+        step.parts.clear();
+        step.oddities.restart();
+        step.driven.take();
+        step.kept.has_news = true;
+        self.moving(bodies, hierarchy, counts)
     }
 
     /// Adds the colliders that are children of bodies that move, if there are so many children in all.

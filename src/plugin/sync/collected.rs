@@ -43,6 +43,13 @@ impl Rows {
         self.kinds.end_fixed();
     }
 
+    /// Removes all from this number on, which are not static.
+    pub fn truncate(&mut self, count: usize) {
+        self.entities.truncate(count);
+        self.bodies.truncate(count);
+        self.kinds.truncate(count);
+    }
+
     /// Takes the static ones of other rows.
     pub fn begin_moving(&mut self, other: &Self) {
         self.entities.begin_moving(&other.entities);

@@ -19,6 +19,10 @@ impl EntityIndexSet {
         self.count == 0
     }
 
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
     pub fn insert(&mut self, entity: Entity) {
         let [at, bit] = place(entity);
         if self.bits.len() <= at {

@@ -1,10 +1,10 @@
 //! What is kept of the last step: its static bodies, and those asleep near which nothing is awake. Where nothing about them has
 //! changed, only the others are read again.
 
+use super::Candidate;
 use super::children::Child;
 use super::collected::Rows;
 use super::entity_index_set::EntityIndexSet;
-use super::order::Keyed;
 use crate::state::Bodies;
 use crate::state::revision::Revision;
 use crate::types::body::RigidBody;
@@ -22,6 +22,14 @@ pub(crate) struct ReadRules {
     pub culling: Culling,
     pub response: Response,
     pub has_hooks: bool,
+}
+
+/// What has the numbers of the last step.
+pub(crate) struct Same {
+    /// So many of the first candidates have those of movers.
+    pub candidates: usize,
+    /// So many of the first colliders keep theirs.
+    pub colliders: usize,
 }
 
 /// What is kept of the last step.
@@ -43,8 +51,8 @@ pub(crate) struct Kept {
     /// The dormant ones, in the set with this name.
     dormant: EntityIndexSet,
     dormant_name: Revision,
-    /// Whether bodies that move have come, or users have written to dormant ones.
-    has_news: bool,
+    /// Whether users have written to dormant bodies, or these have gone.
+    pub has_news: bool,
     /// Their colliders on other entities, by their indices among the
     /// [`ChildColliders`](super::children::ChildColliders).
     pub moving_children: Vec<u32>,
@@ -73,7 +81,6 @@ impl Kept {
 
     /// Notes which bodies are dormant after the last step.
     pub fn begin(&mut self, bodies: &Bodies) {
-        self.has_news = false;
         let set = &bodies.dormant;
         if self.dormant_name.is(set.name) || self.dormant.is_empty() && set.count == 0 {
             return;
@@ -90,9 +97,23 @@ impl Kept {
             .extend(self.movers.iter().filter(|&&body| !dormant.contains(body)));
     }
 
-    /// Whether a step with so many bodies may leave dormant ones as they are.
-    pub fn may_skip_dormant(&self, body_count: usize) -> bool {
-        !self.dormant.is_empty() && !self.has_news && body_count == self.counts[0] + self.movers.len()
+    /// Whether a step may leave dormant bodies as they are.
+    pub fn may_skip_dormant(&self) -> bool {
+        !self.dormant.is_empty() && !self.has_news
+    }
+
+    /// Number of bodies that are not static, of which `read` were read.
+    pub fn mover_count(&self, read: usize, skips_dormant: bool) -> usize {
+        if skips_dormant { read + self.dormant.len() } else { read }
+    }
+
+    /// Notes that something at rest has lost a component.
+    pub fn note_removed(&mut self, entity: Entity) {
+        if self.dormant.contains(entity) {
+            self.has_news = true;
+        } else if self.is_static(entity) {
+            self.forget();
+        }
     }
 
     /// Notes that users have written to a body. Returns whether it is static.
@@ -107,17 +128,46 @@ impl Kept {
         }
     }
 
-    /// Whether the colliders of `bodies` that are neither static nor dormant are those of the last step.
-    pub fn has_same<'a>(&self, bodies: &Bodies, ids: impl ExactSizeIterator<Item = &'a Keyed>) -> bool {
-        let own = bodies.movers();
-        self.layout.is(bodies.layout)
-            && ids.len() == bodies.mover_count()
-            && own.zip(ids).all(|(i, id)| self.all_rows.entities.keyed(i) == *id)
+    /// How many colliders keep their numbers if these `candidates` are all that are neither static nor dormant. `None` if a
+    /// dormant one would get another number.
+    pub fn same_as_before(&self, bodies: &Bodies, candidates: &[Candidate]) -> Option<Same> {
+        if !self.layout.is(bodies.layout) {
+            let colliders = bodies.static_count;
+            let has_dormant = bodies.dormant.count > 0;
+            return (!has_dormant).then_some(Same {
+                candidates: 0,
+                colliders,
+            });
+        }
+        let entities = &self.all_rows.entities;
+        let moving = bodies.movers();
+        let own = moving.clone().zip(candidates);
+        let same = own
+            .take_while(|(i, candidate)| entities.keyed(*i) == candidate.id)
+            .count();
+        let next = moving.clone().nth(same);
+        if next.is_none() && same == candidates.len() {
+            return Some(Same {
+                candidates: same,
+                colliders: bodies.len(),
+            });
+        }
+        let last = bodies.dormant.flags.iter().rposition(|&flag| flag);
+        let is_after = last.is_none_or(|last| {
+            let mut new = candidates[same..].iter();
+            next.is_none_or(|next| next > last) && new.all(|new| new.id.key > entities.keyed(last).key)
+        });
+        let ends = [last, same.checked_sub(1).and_then(|at| moving.clone().nth(at))];
+        let end = ends.into_iter().flatten().max();
+        is_after.then_some(Same {
+            candidates: same,
+            colliders: end.map_or(bodies.static_count, |end| end + 1),
+        })
     }
 
-    /// Keeps which collider of a step has which number.
-    pub fn keep_layout(&mut self, bodies: &mut Bodies, rows: &Rows) {
-        bodies.keep_layout();
+    /// Keeps which collider of a step has which number. The first `same` have those of the last step.
+    pub fn keep_layout(&mut self, bodies: &mut Bodies, rows: &Rows, same: usize) {
+        bodies.keep_layout(same);
         self.layout = bodies.layout;
         self.all_rows = rows.clone();
         self.has_keys = false;
@@ -141,7 +191,7 @@ impl Kept {
             return;
         }
         bodies.keep_static();
-        self.keep_layout(bodies, rows);
+        self.keep_layout(bodies, rows, 0);
         self.revision = bodies.revision;
         self.rows.begin_moving(rows);
         self.moving_children.clear();
@@ -162,19 +212,20 @@ impl Kept {
         self.movers.binary_search(&entity).is_ok() || self.parts.binary_search(&entity).is_ok()
     }
 
-    /// Whether this is a static collider, or above one, or a dormant body.
-    pub fn is_at_rest(&self, entity: Entity) -> bool {
+    /// Whether this is a static collider, or above one.
+    fn is_static(&self, entity: Entity) -> bool {
         self.revision.is_known()
-            && (self.dormant.contains(entity)
-                || self.rows.entities.number_of(entity).is_some()
-                || self.above.binary_search(&entity).is_ok())
+            && (self.rows.entities.number_of(entity).is_some() || self.above.binary_search(&entity).is_ok())
     }
 
-    /// Adds a body that moves.
+    /// Adds a body that moves, or notes that users have written to it.
     pub fn add_mover(&mut self, entity: Entity) {
+        self.has_news |= self.dormant.contains(entity);
         if let Err(at) = self.movers.binary_search(&entity) {
             self.movers.insert(at, entity);
         }
-        self.has_news = true;
+        if let Err(at) = self.awake.binary_search(&entity) {
+            self.awake.insert(at, entity);
+        }
     }
 }

@@ -3,24 +3,43 @@
 use super::split::Split;
 use crate::plugin::components::StableKey;
 use bevy::prelude::*;
+use std::cmp::Ordering;
 use std::ops::Index;
 use std::sync::Arc;
 
 /// The bit that entities have and stable keys lack, so that bodies with a stable key come first.
 const OF_ENTITY: u64 = 1 << 63;
 
-/// An entity with its key in the order of a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// The bits of an entity's index, which ascends in the order of spawning only if they are flipped.
+const INDEX: u64 = u32::MAX as u64;
+
+/// An entity with its key in the order of a step. Users see them in another order: by stable keys, then by entities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Keyed {
     pub key: u64,
     pub entity: Entity,
 }
 
+impl Ord for Keyed {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let stable = |id: &Self| if id.is_stable() { id.key } else { OF_ENTITY };
+        (stable(self), self.entity).cmp(&(stable(other), other.entity))
+    }
+}
+
+impl PartialOrd for Keyed {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
 impl Keyed {
-    /// The key is the stable one if there is one, else that of the entity.
+    /// The key is the stable one if there is one, else that of the entity. Later entities have larger ones, so that what is
+    /// spawned leaves the numbers of others as they are.
     pub fn new(entity: Entity, stable: Option<StableKey>) -> Self {
         // Two entities that exist at the same time differ in the other bits.
-        let key = stable.map_or(entity.to_bits() | OF_ENTITY, |stable| stable.0 & !OF_ENTITY);
+        let own = (entity.to_bits() ^ INDEX) | OF_ENTITY;
+        let key = stable.map_or(own, |stable| stable.0 & !OF_ENTITY);
         Self { key, entity }
     }
 
@@ -42,7 +61,7 @@ impl Keyed {
 /// The entity whose key this is, unless it is a stable one.
 pub(crate) fn entity_of(key: u64) -> Option<Entity> {
     (key & OF_ENTITY != 0)
-        .then(|| Entity::try_from_bits(key & !OF_ENTITY))
+        .then(|| Entity::try_from_bits((key & !OF_ENTITY) ^ INDEX))
         .flatten()
 }
 
@@ -61,14 +80,15 @@ pub(crate) trait InOrder {
 /// Puts what is static before what is not, each in the order of keys. Without memory of its own, unlike a stable sort.
 pub(crate) fn put_static_first<T: InOrder>(items: &mut [T]) {
     if !items.is_sorted_by_key(|item| !item.is_static()) {
-        items.sort_unstable_by_key(|item| (!item.is_static(), item.id()));
+        items.sort_unstable_by_key(|item| (!item.is_static(), item.id().key));
     }
 }
 
 /// Sorts items by their keys. Of those with the same stable key all but the first get the key of their entity, and are
 /// passed to `same`.
 pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
-    items.sort_unstable_by_key(InOrder::id);
+    let order = |item: &T| (item.id().key, item.id().entity);
+    items.sort_unstable_by_key(order);
     let mut is_changed = false;
     for i in (1..items.len()).rev() {
         let id = items[i].id();
@@ -80,7 +100,7 @@ pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
         }
     }
     if is_changed {
-        items.sort_unstable_by_key(InOrder::id);
+        items.sort_unstable_by_key(order);
     }
 }
 
@@ -89,7 +109,7 @@ pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
 pub(crate) struct Numbers {
     entities: Split<Entity>,
     keys: Split<u64>,
-    /// The numbers of each part in the order of entities; empty if that is the order of the keys.
+    /// The numbers in each part of those with stable keys, which come first, in the order of entities.
     by_entity: [Arc<Vec<u32>>; 2],
 }
 
@@ -120,6 +140,12 @@ impl Numbers {
         self.by_entity[0] = Arc::clone(&other.by_entity[0]);
     }
 
+    /// Removes all from this number on; the part that rests is shorter.
+    pub fn truncate(&mut self, count: usize) {
+        self.entities.truncate(count);
+        self.keys.truncate(count);
+    }
+
     /// To be called after the last one.
     pub fn finish(&mut self) {
         self.index(1);
@@ -128,8 +154,9 @@ impl Numbers {
     /// Makes the index of a part.
     fn index(&mut self, part: usize) {
         let own = self.entities.parts()[part];
+        let stable = self.keys.parts()[part].partition_point(|key| key & OF_ENTITY == 0);
         let by_entity = &mut self.by_entity[part];
-        if own.is_sorted() {
+        if stable == 0 {
             if !by_entity.is_empty() {
                 *by_entity = Arc::default();
             }
@@ -140,7 +167,7 @@ impl Numbers {
         }
         let by_entity = Arc::make_mut(by_entity);
         by_entity.clear();
-        by_entity.extend(0..own.len() as u32);
+        by_entity.extend(0..stable as u32);
         by_entity.sort_unstable_by_key(|&number| own[number as usize]);
     }
 
@@ -176,17 +203,16 @@ impl Numbers {
 
     /// The number of an entity.
     pub fn number_of(&self, entity: Entity) -> Option<usize> {
-        let [fixed, moving] = self.entities.parts();
-        let find = |own: &[Entity], by_entity: &[u32]| {
-            if by_entity.is_empty() {
-                return own.binary_search(&entity).ok();
-            }
+        let own_key = Keyed::new(entity, None).key;
+        let find = |part: usize| {
+            let (own, by_entity) = (self.entities.parts()[part], &self.by_entity[part]);
             let of = |&number: &u32| own[number as usize];
-            let at = by_entity.binary_search_by_key(&entity, of).ok()?;
-            Some(by_entity[at] as usize)
+            match by_entity.binary_search_by_key(&entity, of) {
+                Ok(at) => Some(by_entity[at] as usize),
+                Err(_) => self.keys.parts()[part].binary_search(&own_key).ok(),
+            }
         };
-        let number = find(moving, &self.by_entity[1]).map(|number| fixed.len() + number);
-        number.or_else(|| find(fixed, &self.by_entity[0]))
+        find(1).map(|number| self.fixed() + number).or_else(|| find(0))
     }
 
     /// How many are static.

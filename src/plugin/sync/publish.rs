@@ -304,8 +304,13 @@ pub(crate) fn publish(
     touching.clear();
     add_touching(&step.state.results.contacts, results, hold, touching);
     let dormant_changed = step_has_new_dormant;
+    let waiting = &mut step.state.scratch.dormant;
+    waiting.renumber_planes(results.entities.len() as u32);
+    if !dormant_changed && collisions.rows.entities.len() != results.entities.len() {
+        // Planes have other numbers.
+        collisions.dormant_manifolds.copy_from(&waiting.manifolds);
+    }
     if dormant_changed {
-        let waiting = &step.state.scratch.dormant;
         collisions.dormant_contacts.clone_from(&waiting.contacts);
         collisions.dormant_manifolds.copy_from(&waiting.manifolds);
         put_in_key_order(&mut collisions.dormant_contacts, &results.entities);

@@ -46,6 +46,11 @@ impl<T: Clone> Split<T> {
         Arc::make_mut(&mut self.moving).push(element);
     }
 
+    /// Removes all elements from this index on, which are of what moves.
+    pub fn truncate(&mut self, len: usize) {
+        Arc::make_mut(&mut self.moving).truncate(len.saturating_sub(self.fixed.len()));
+    }
+
     pub fn len(&self) -> usize {
         self.fixed.len() + self.moving.len()
     }
