@@ -92,6 +92,17 @@ pub const GAMES: &[Game] = &[
             spawner(world);
         },
     ),
+    game("one static cube moved a step, 100,000 static", 128, |world| {
+        level(world, 100_000);
+        let moved = |mut cubes: Query<(&RigidBody, &mut Transform)>, mut at: Local<usize>| {
+            *at += 1;
+            let mut fixed = cubes.iter_mut().filter(|(kind, _)| **kind == RigidBody::Static);
+            if let Some((_, mut place)) = fixed.nth(37 * *at) {
+                place.translation.y += 0.1;
+            }
+        };
+        world.resource_mut::<Schedules>().add_systems(FixedUpdate, moved);
+    }),
     game("ball in a room", 256, |world| {
         let room = shapes::cube(4.0);
         let inward = room.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();

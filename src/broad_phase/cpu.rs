@@ -4,6 +4,7 @@ mod counting_sort;
 pub(super) mod grid;
 mod wide;
 
+pub(crate) use grid::SPHERE_SLACK;
 pub(crate) use wide::WideSearch;
 
 use crate::parallel::loops;
@@ -26,6 +27,9 @@ pub(crate) struct Scratch {
     static_grid: Grid,
     /// The state of the static bodies in their grid, and the margin of their radii.
     in_grid: (Revision, Option<f32>),
+    /// Those of them that have changed since, in the state with this name.
+    loose_grid: Grid,
+    in_loose_grid: (Revision, Option<f32>),
     /// Dormant bodies. Some may have been roused since it was filled.
     dormant_grid: Grid,
     /// The set with which it was filled.
@@ -58,6 +62,8 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         moving_grid,
         static_grid,
         in_grid,
+        loose_grid,
+        in_loose_grid,
         dormant_grid,
         in_dormant_grid,
         members,
@@ -83,32 +89,29 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     if moving_grid.is_overfull() {
         moving_grid.fill(members, center, speculative_radius);
     }
-    let is_known = in_grid.0.is(bodies.revision) && in_grid.1 == bodies.static_margin;
-    *in_grid = (bodies.revision, bodies.static_margin);
-    let count = kind.len() - bodies.dormant.count - bodies.movers().count();
-    if !is_known && !static_grid.holds(count, is_static, center, speculative_radius) {
+    let changes = &bodies.static_changes;
+    let is_known = in_grid.0.is(changes.base) && in_grid.1 == bodies.static_margin;
+    *in_grid = (changes.base, bodies.static_margin);
+    let count = kind.len() - bodies.dormant.count - bodies.movers().count() - changes.loose.len();
+    let is_firm = |i: usize| is_static(i) && !changes.is_loose(i as u32);
+    if !is_known && !static_grid.holds(count, is_firm, center, speculative_radius) {
         members.clear();
-        members.extend(all.clone().filter(|&i| is_static(i as usize)));
-        for _ in 0..MAX_STATIC_FILLS {
-            if !static_grid.fill(members, center, speculative_radius) {
-                break;
-            }
-        }
+        members.extend(all.clone().filter(|&i| is_firm(i as usize)));
+        fill_still(static_grid, members, bodies);
     }
-
+    if !in_loose_grid.0.is(bodies.revision) || in_loose_grid.1 != bodies.static_margin {
+        *in_loose_grid = (bodies.revision, bodies.static_margin);
+        fill_still(loose_grid, &changes.loose, bodies);
+    }
     if !bodies.dormant.filled.is(*in_dormant_grid) {
         *in_dormant_grid = bodies.dormant.filled;
         members.clear();
         members.extend(all.clone().filter(|&i| bodies.dormant.has(i as usize)));
-        for _ in 0..MAX_STATIC_FILLS {
-            if !dormant_grid.fill(members, center, speculative_radius) {
-                break;
-            }
-        }
+        fill_still(dormant_grid, members, bodies);
     }
 
     let tasks = moving_grid.ids.len().div_ceil(TASK);
-    let still_tasks = [&*static_grid, dormant_grid].map(|still| still_tasks(still, moving_grid));
+    let still_tasks = [&*static_grid, loose_grid, dormant_grid].map(|still| still_tasks(still, moving_grid));
     let all_tasks = tasks + still_tasks.iter().sum::<usize>();
     if found.len() < all_tasks {
         found.resize_with(all_tasks, Finder::default);
@@ -118,7 +121,7 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         in_all: limit,
         per_search,
     };
-    let grids = [&*moving_grid, &*static_grid, &*dormant_grid];
+    let grids = [&*moving_grid, &*static_grid, &*loose_grid, &*dormant_grid];
     if search(bodies, grids, found, within_limit(usize::MAX)) > limit {
         if bodies.dormant.count > 0 {
             // The caller searches again without dormant bodies.
@@ -135,7 +138,11 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
             members.extend(all.clone().filter(is_member));
             grid.fill_canonically(members, center, speculative_radius);
         }
-        let grids = [&*moving_grid, &*static_grid, &*dormant_grid];
+        // All static bodies are in one grid now.
+        *in_grid = Default::default();
+        *in_loose_grid = Default::default();
+        fill_still(loose_grid, &[], bodies);
+        let grids = [&*moving_grid, &*static_grid, &*loose_grid, &*dormant_grid];
         let mut search = |most| search(bodies, grids, found, most);
         let mut per_search = (limit / (SEARCHES * bodies.center.len())).max(1);
         // Bodies outside the crowd have few partners, and lose none of them once this is more.
@@ -168,6 +175,15 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     Crowd::of(crowded)
 }
 
+/// Fills a grid with bodies that do not move, until its cell sizes suit them.
+fn fill_still(grid: &mut Grid, members: &[u32], bodies: &Bodies) {
+    for _ in 0..MAX_STATIC_FILLS {
+        if !grid.fill(members, &bodies.center, &bodies.speculative_radius) {
+            break;
+        }
+    }
+}
+
 /// Number of tasks in which bodies that do not move search for moving ones of coarser levels.
 fn still_tasks(still: &Grid, moving: &Grid) -> usize {
     let coarsest = moving.levels.last().map_or(0, |level| level.number);
@@ -178,11 +194,20 @@ fn still_tasks(still: &Grid, moving: &Grid) -> usize {
     }
 }
 
-/// Searches the grids of moving, of static and of dormant bodies, and returns the number of pairs, or a number above the limit.
-fn search(bodies: &Bodies, [moving, fixed, dormant]: [&Grid; 3], found: &mut [Finder], most: MostPairs) -> usize {
+/// Searches the grids of moving, of static, of changed static and of dormant bodies, and returns the number of pairs, or a number
+/// above the limit.
+fn search(
+    bodies: &Bodies,
+    [moving, fixed, loose, dormant]: [&Grid; 4],
+    found: &mut [Finder],
+    most: MostPairs,
+) -> usize {
     let tasks = moving.ids.len().div_ceil(TASK);
-    let fixed_tasks = still_tasks(fixed, moving);
+    let [fixed_tasks, loose_tasks] = [fixed, loose].map(|still| still_tasks(still, moving));
     let is_dormant = |i: u32| bodies.dormant.has(i as usize);
+    // Where all are in the grid, none is in that of loose ones.
+    let all_fixed = loose.ids.is_empty();
+    let is_fixed = |i: u32| all_fixed || !bodies.static_changes.is_loose(i);
     let total = AtomicUsize::new(0);
     loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
         let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
@@ -193,12 +218,16 @@ fn search(bodies: &Bodies, [moving, fixed, dormant]: [&Grid; 3], found: &mut [Fi
         if task < tasks {
             let own = range(task, moving);
             finder.moving_pairs(moving, own.clone(), bodies);
-            finder.pairs_with_still([moving, fixed], own.clone(), bodies, |_| true);
+            finder.pairs_with_still([moving, fixed], own.clone(), bodies, is_fixed);
+            finder.pairs_with_still([moving, loose], own.clone(), bodies, |_| true);
             finder.pairs_with_still([moving, dormant], own, bodies, is_dormant);
         } else if task - tasks < fixed_tasks {
-            finder.still_pairs(fixed, moving, range(task - tasks, fixed), bodies, |_| true);
+            finder.still_pairs(fixed, moving, range(task - tasks, fixed), bodies, is_fixed);
+        } else if task - tasks - fixed_tasks < loose_tasks {
+            let own = range(task - tasks - fixed_tasks, loose);
+            finder.still_pairs(loose, moving, own, bodies, |_| true);
         } else {
-            let own = range(task - tasks - fixed_tasks, dormant);
+            let own = range(task - tasks - fixed_tasks - loose_tasks, dormant);
             finder.still_pairs(dormant, moving, own, bodies, is_dormant);
         }
         total.fetch_add(finder.found.len(), Ordering::Relaxed);

@@ -19,13 +19,22 @@ impl SolverBodies {
     /// # Panics
     /// If there are fewer `keys` than bodies.
     pub fn read(&mut self, bodies: &Bodies, planes: &[Plane], keys: &[u64]) {
-        let is_known = self.revision.is(bodies.revision);
+        let changed = bodies.static_changes_since(self.revision);
         let same = bodies.same_since(self.revision, self.layout).min(self.colliders);
-        if is_known {
+        if changed.is_some() {
             self.truncate(same);
             self.parts.clear();
         } else {
             self.clear();
+        }
+        let mut is_new = changed.is_none();
+        for i in changed.unwrap_or_default().iter().map(|&i| i as usize) {
+            let before = self.bodies[i];
+            self.set(i, bodies);
+            let now = &self.bodies[i];
+            let was_thinnest = before.thickness <= self.statics.thinnest;
+            is_new |= was_thinnest && now.thickness > before.thickness || before.solid != now.solid;
+            self.statics.include(now);
         }
         let again = bodies.movers().take_while(|&i| i < same);
         again.for_each(|i| self.set(i, bodies));
@@ -41,13 +50,17 @@ impl SolverBodies {
             }
         }
         if bodies.revision.is_known() {
-            if !is_known {
-                self.statics = self.statics();
+            if is_new {
+                let mut statics = Statics::default();
+                let all = &self.bodies[..bodies.static_count];
+                all.iter().for_each(|body| statics.include(body));
+                self.statics = statics;
             }
             self.moving.clear();
             self.moving.extend_from_slice(&bodies.moving);
             self.colliders = self.len();
             self.revision = bodies.revision;
+            self.base = bodies.static_changes.base;
             self.layout = bodies.layout;
             if !self.dormant_name.is(bodies.dormant.name) {
                 self.count_dormant(bodies);

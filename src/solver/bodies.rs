@@ -229,6 +229,8 @@ pub struct SolverBodies {
     pub(super) colliders: usize,
     /// The state of the static bodies.
     pub(super) revision: Revision,
+    /// Since the static bodies had this state none has come or gone.
+    pub(super) base: Revision,
     /// Names which collider has which number.
     pub(super) layout: Revision,
     /// What there is of dormant bodies, in the set with this name.
@@ -298,6 +300,7 @@ impl SolverBodies {
             statics,
             colliders,
             revision,
+            base,
             layout,
             dormant,
             dormant_name,
@@ -306,6 +309,7 @@ impl SolverBodies {
         *colliders = 0;
         *statics = Statics::default();
         *revision = Revision::UNKNOWN;
+        *base = Revision::UNKNOWN;
         *layout = Revision::UNKNOWN;
         *dormant = Statics::default();
         *dormant_name = Revision::UNKNOWN;
@@ -346,6 +350,11 @@ impl SolverBodies {
     /// The state of the static bodies.
     pub(crate) fn revision(&self) -> Revision {
         self.revision
+    }
+
+    /// A state of the static bodies since which none has come or gone.
+    pub(super) fn base(&self) -> Revision {
+        self.base
     }
 
     /// How many bodies are static, and come first, where their state is known.

@@ -137,8 +137,8 @@ pub struct Solver {
     /// Of each body.
     mobility: Vec<Mobility>,
     paces: Vec<Pace>,
-    /// The state of the static bodies in these lists.
-    revision: Revision,
+    /// The static bodies of these lists: none has come or gone since they had this state.
+    base: Revision,
     /// The saved impulses are built here.
     saved: WarmStart,
 }
@@ -184,14 +184,14 @@ impl Solver {
             constraints,
             mobility,
             paces,
-            revision,
+            base,
             saved,
         } = self;
         let is_valid = |pace: &Pace| pace.dt >= 0.0 && pace.dt.is_finite();
         if !(bodies.movers().all(|i| is_valid(&pace_of(i))) && gravity.is_finite()) {
             return;
         }
-        let same = if revision.is(bodies.revision()) {
+        let same = if base.is(bodies.base()) {
             bodies.static_count()
         } else {
             0
@@ -200,7 +200,7 @@ impl Solver {
         paces.resize(bodies.len(), Pace::DONE);
         mobility.truncate(same);
         mobility.resize(bodies.len(), Mobility::Fixed);
-        *revision = bodies.revision();
+        *base = bodies.base();
         for i in bodies.movers() {
             paces[i] = pace_of(i);
             mobility[i] = motion::mobility(bodies, i, paces[i]);

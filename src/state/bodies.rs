@@ -13,6 +13,7 @@ use super::fault::{BodyFault, MAX_GRAVITY_SCALE, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
 use super::part_index::PartIndex;
 use super::revision::Revision;
+use super::static_changes::StaticChanges;
 use crate::asset::CollisionMesh;
 use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
@@ -90,6 +91,7 @@ pub struct Bodies {
     pub(crate) of_static: Flags,
     /// The state of the others; see [`Bodies::keep_static`].
     pub(crate) revision: Revision,
+    pub(crate) static_changes: StaticChanges,
     /// The contact margin with which their speculative radii were set; see
     /// [`SpeculativeMargins`](super::margins::SpeculativeMargins).
     pub(crate) static_margin: Option<f32>,
@@ -120,6 +122,11 @@ impl Flags {
             modifies: params.hooks.modify_contacts,
         };
         all.map(flags).fold(Self::default(), Self::or)
+    }
+
+    #[cfg(feature = "bevy")]
+    fn any(self) -> bool {
+        self.continuous || self.filters || self.modifies
     }
 
     fn or(self, other: Self) -> Self {
@@ -193,11 +200,40 @@ impl Bodies {
         }
     }
 
+    /// The static colliders that have changed since the state `known`, if none has come or gone; else `None`.
+    pub(crate) fn static_changes_since(&self, known: Revision) -> Option<&[u32]> {
+        self.static_changes.since(known, self.revision)
+    }
+
+    /// Replaces static colliders, and names their new state.
+    ///
+    /// # Errors
+    /// The first that is not valid. Then the state is not known.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn rewrite_static(&mut self, changed: &[(u32, Body)], meshes: &MeshArena) -> Result<(), BodyFault> {
+        let before = std::mem::replace(&mut self.revision, Revision::UNKNOWN);
+        for (i, body) in changed {
+            let at = *i as usize;
+            self.rewrite(at, body, meshes, false)?;
+            let margin = self.static_margin.unwrap_or_default();
+            self.speculative_radius[at] = self.radius[at] + margin * self.radius[at];
+        }
+        let statics = self.params[..self.static_count].iter();
+        self.of_static = match self.of_static.any() {
+            true => Flags::of(statics),
+            false => Flags::of(changed.iter().map(|(_, body)| &body.params)),
+        };
+        let numbers: Vec<u32> = changed.iter().map(|&(i, _)| i).collect();
+        self.revision = Revision::new();
+        self.static_changes.add(&numbers, before, self.revision);
+        Ok(())
+    }
+
     /// How many of the first colliders have kept their numbers since the static ones were in the state `revision`, and all in
     /// the `layout`.
     pub(crate) fn same_since(&self, revision: Revision, layout: Revision) -> usize {
         let (before, same) = self.layout_before;
-        if !revision.is(self.revision) {
+        if self.static_changes_since(revision).is_none() {
             0
         } else if layout.is(self.layout) {
             self.len()
@@ -230,6 +266,7 @@ impl Bodies {
         self.revision = Revision::UNKNOWN;
         self.list_movers();
         self.revision = Revision::new();
+        self.static_changes.begin(self.revision);
         self.keep_layout(0);
     }
 

@@ -17,6 +17,7 @@
 //! | `inactive` | pairs that sleep and need no work |
 //! | `dormant_set` | colliders asleep near which nothing is awake |
 //! | `revision` | names of states of colliders that have not changed |
+//! | `static_changes` | which static colliders have changed |
 //! | `columns`, `merge` | the arrays of bodies as one list; merged lists |
 
 mod arm;
@@ -46,6 +47,7 @@ pub mod placed_mesh;
 pub mod planes;
 pub mod results;
 pub(crate) mod revision;
+mod static_changes;
 pub(crate) mod travel;
 
 pub use bodies::{Bodies, Frame};

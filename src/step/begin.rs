@@ -19,7 +19,16 @@ pub(super) fn begin(
     scratch: &mut StepScratch,
 ) {
     scratch.age(results);
-    scratch.dormant.begin(input, memory, results);
+    if let Err(met) = scratch.dormant.begin(input, memory, results) {
+        let mut lists = Lists {
+            bodies: &mut input.bodies,
+            solver_bodies: &mut scratch.solver_bodies,
+            inactive: &mut scratch.inactive,
+            memory,
+            results,
+        };
+        scratch.dormant.rouse(met, 0, &mut lists);
+    }
     input.bodies.list_movers();
     scratch.schedule.set_all(1);
     results.crowd = Crowd::default();

@@ -10,6 +10,7 @@
 
 use super::memory::StepMemory;
 use super::reach::Sweep;
+use crate::broad_phase::cpu::SPHERE_SLACK;
 use crate::geometry::union_find::UnionFind;
 use crate::solver::{SolverBodies, WarmStart};
 use crate::state::bodies::Flags;
@@ -98,12 +99,46 @@ impl Dormant {
             && !flags.modifies
     }
 
-    /// Begins a step: rouses all if anything has changed for them. Their numbers are those of the last step.
-    pub fn begin(&mut self, input: &mut StepInput, memory: &mut StepMemory, results: &mut StepResults) {
-        self.has_ended = !self.groups.is_empty() && !self.may_last(input);
-        if self.has_ended {
-            self.end(&mut input.bodies, memory, results);
+    /// Begins a step: rouses those for which anything has changed. Their numbers are those of the last step.
+    pub fn begin(
+        &mut self,
+        input: &mut StepInput,
+        memory: &mut StepMemory,
+        results: &mut StepResults,
+    ) -> Result<(), Met> {
+        self.has_ended = false;
+        if self.groups.is_empty() {
+            return Ok(());
         }
+        let bodies = &input.bodies;
+        if self.may_last(input)
+            && let Some(changed) = bodies.static_changes_since(memory.revision)
+        {
+            return self.meet_static(bodies, changed);
+        }
+        self.has_ended = true;
+        self.end(&mut input.bodies, memory, results);
+        Ok(())
+    }
+
+    /// # Errors
+    /// The dormant bodies that are or were near these static ones, which have changed.
+    fn meet_static(&self, bodies: &Bodies, changed: &[u32]) -> Result<(), Met> {
+        if changed.is_empty() {
+            return Ok(());
+        }
+        let has_changed = |i: &u32| changed.binary_search(i).is_ok();
+        let were_near = self.sphere_pairs.iter().filter(|pair| pair.iter().any(has_changed));
+        let were_near = were_near.flatten().copied().filter(|i| !has_changed(i));
+        let is_near = |i: &u32| {
+            let i = *i as usize;
+            changed.iter().map(|&other| other as usize).any(|other| {
+                let reach = bodies.speculative_radius[i] + bodies.speculative_radius[other];
+                bodies.center[i].distance_squared(bodies.center[other]) <= reach * reach * SPHERE_SLACK
+            })
+        };
+        let members = self.groups.values().flat_map(|group| &group.members).copied();
+        Met::of(were_near.chain(members.filter(is_near)).collect())
     }
 
     /// Sets the number of the first plane, which follows those of all colliders.

@@ -63,7 +63,8 @@ impl StepMemory {
         let all_wake = self.gravity != config.gravity;
         // The bodies that have the numbers of the last step.
         let same = bodies.same_since(self.revision, self.layout).min(self.keys.len());
-        let has_active_static = !self.revision.is(bodies.revision);
+        let changed = bodies.static_changes_since(self.revision);
+        let has_active_static = changed.is_none_or(|changed| !changed.is_empty());
         inactive.begin(solver_bodies.len(), same, bodies.movers(), has_active_static);
         // Taken out, because the others change meanwhile.
         let keys = std::mem::take(&mut solver_bodies.keys);
@@ -97,7 +98,9 @@ impl StepMemory {
         let (before, now) = (&self.keys[same..], &keys[same..bodies.len()]);
         let are_same = before == now;
         let mut numbers = vec![GONE; if are_same { 0 } else { before.len() }];
-        bodies.movers().take_while(|&i| i < same).for_each(|i| restore(i, i));
+        let changed = changed.unwrap_or_default().iter().map(|&i| i as usize);
+        let again = changed.chain(bodies.movers().take_while(|&i| i < same));
+        again.for_each(|i| restore(i, i));
         if are_same {
             (same..bodies.len()).for_each(|i| restore(i, i));
         } else {
@@ -139,7 +142,9 @@ impl StepMemory {
         self.keys.truncate(same);
         self.keys.extend_from_slice(&solver_bodies.keys[same..count]);
         self.bodies.truncate(same);
-        let again = input.bodies.movers().take_while(|&i| i < same);
+        let changed = input.bodies.static_changes_since(self.revision);
+        let changed = changed.unwrap_or_default().iter().map(|&i| i as usize);
+        let again = changed.chain(input.bodies.movers().take_while(|&i| i < same));
         again.for_each(|i| self.bodies[i] = saved(i));
         self.bodies.extend((same..count).map(saved));
         self.revision = input.bodies.revision;

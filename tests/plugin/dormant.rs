@@ -77,9 +77,9 @@ impl Heaps {
 
     fn step(&mut self, count: usize) {
         for _ in 0..count {
-            let first = self.tiles[0];
             if self.reads_all {
-                self.sim.world().get_mut::<Transform>(first).unwrap().set_changed();
+                let mut meshes = self.sim.world().resource_mut::<Assets<CollisionMesh>>();
+                meshes.set_changed();
             }
             self.sim.step(1);
         }
@@ -211,6 +211,22 @@ const HAPPENINGS: &[Happening] = &[
     ("a tile moves", |heaps| {
         let tile = heaps.tiles[14];
         heaps.sim.world().get_mut::<Transform>(tile).unwrap().translation.y -= 0.3;
+    }),
+    ("a tile is in a heap", |heaps| {
+        let tile = heaps.tiles[20];
+        let at = Vec3::new(7.8, 0.1, 5.0);
+        heaps.sim.world().get_mut::<Transform>(tile).unwrap().translation = at;
+    }),
+    ("tiles become slippery and bouncy", |heaps| {
+        for at in [7, 8, 9] {
+            let tile = heaps.tiles[at];
+            heaps.sim.set(tile, (Friction::new(0.05), Restitution::new(0.8)));
+        }
+        heaps.throw(0, Vec3::new(4.6, 3.0, 6.5), Vec3::ZERO, ());
+    }),
+    ("a tile is a sensor", |heaps| {
+        let tile = heaps.tiles[2];
+        heaps.sim.set(tile, Sensor);
     }),
     ("a lift comes", |heaps| {
         let plate = heaps.meshes[2].clone();

@@ -83,9 +83,9 @@ impl Level {
     /// that something has roused are not read either.
     fn step(&mut self, count: usize) -> usize {
         for _ in 0..count {
-            let first = self.tiles[0];
             if self.reads_all {
-                self.sim.world().get_mut::<Transform>(first).unwrap().set_changed();
+                let mut meshes = self.sim.world().resource_mut::<Assets<CollisionMesh>>();
+                meshes.set_changed();
             }
             self.sim.step(1);
         }

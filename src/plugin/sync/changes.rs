@@ -51,8 +51,8 @@ pub(crate) struct Changes<'w, 's, T: Component> {
 }
 
 impl<T: Component> Changes<'_, '_, T> {
-    /// Whether that of something static has changed. Notes changes of dormant bodies.
-    fn any_static(&self, kept: &mut Kept) -> bool {
+    /// Notes changes of static and of dormant bodies. Returns whether too many static ones have changed.
+    fn too_many(&self, kept: &mut Kept) -> bool {
         let Ok(tables) = self.all.contiguous_iter() else {
             return true;
         };
@@ -74,7 +74,7 @@ impl<T: Component> Changes<'_, '_, T> {
 /// The changes of all components that a step reads of colliders and bodies, but for those that the step itself writes to
 /// bodies that move.
 #[derive(SystemParam)]
-pub(crate) struct StaticChanges<'w, 's> {
+pub(crate) struct ChangesAtRest<'w, 's> {
     place: (
         Changes<'w, 's, Transform>,
         Changes<'w, 's, ChildOf>,
@@ -92,9 +92,13 @@ pub(crate) struct StaticChanges<'w, 's> {
         Changes<'w, 's, ActiveCollisionHooks>,
         Changes<'w, 's, Sensor>,
     ),
-    body: (
+    /// What changes nothing about static bodies, but wakes dormant ones.
+    motion: (
         Changes<'w, 's, LinearVelocity>,
         Changes<'w, 's, AngularVelocity>,
+        Changes<'w, 's, Sleeping>,
+    ),
+    body: (
         Changes<'w, 's, Mass>,
         Changes<'w, 's, AngularInertia>,
         Changes<'w, 's, GravityScale>,
@@ -107,7 +111,6 @@ pub(crate) struct StaticChanges<'w, 's> {
         Changes<'w, 's, AngularDamping>,
         Changes<'w, 's, MaxLinearSpeed>,
         Changes<'w, 's, MaxAngularSpeed>,
-        Changes<'w, 's, Sleeping>,
         Changes<'w, 's, SleepingDisabled>,
         Changes<'w, 's, ContinuousCollision>,
         Changes<'w, 's, Teleport>,
@@ -117,18 +120,22 @@ pub(crate) struct StaticChanges<'w, 's> {
     above: Query<'w, 's, (Option<Ref<'static, Transform>>, Option<Ref<'static, ChildOf>>)>,
 }
 
-impl StaticChanges<'_, '_> {
-    /// Whether anything static has changed. Notes changes of dormant bodies.
-    pub fn any(&self, kept: &mut Kept) -> bool {
+impl ChangesAtRest<'_, '_> {
+    /// Notes changes of static and of dormant bodies. Returns whether all static ones are to be read again: too many have changed, or
+    /// something above one.
+    pub fn are_many(&self, kept: &mut Kept) -> bool {
         macro_rules! any {
-            ($($group:ident: [$($index:tt)*])*) => { false $($(|| self.$group.$index.any_static(kept))*)* };
+            ($($group:ident: [$($index:tt)*])*) => { false $($(|| self.$group.$index.too_many(kept))*)* };
         }
         let has_changed = any! {
             place: [0 1 2 3 4 5]
             surface: [0 1 2 3 4 5 6]
-            body: [0 1 2 3 4 5 6 7]
-            handling: [0 1 2 3 4 5 6 7]
+            body: [0 1 2 3 4 5]
+            handling: [0 1 2 3 4 5 6]
         };
+        if kept.has_dormant() && any! { motion: [0 1 2] } {
+            return true;
+        }
         has_changed
             || kept.above.iter().any(|&entity| {
                 let Ok((transform, parent)) = self.above.get(entity) else {

@@ -1,6 +1,6 @@
 //! Reads components into the stages' arrays, before a step.
 
-use super::changes::StaticChanges;
+use super::changes::ChangesAtRest;
 use super::children::{Child, ChildComponents, IsChild};
 use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
@@ -15,10 +15,10 @@ use crate::plugin::clock::Physics;
 use crate::plugin::components::*;
 use crate::plugin::events::BodyRejected;
 use crate::plugin::settings::{FaceLists, Gravity};
-use crate::state::Body;
 use crate::state::bodies::check_body;
 use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::MeshArena;
+use crate::state::{Body, StepInput};
 use crate::types::body::*;
 use crate::types::limits::StepLimits;
 use crate::types::settings::{Culling, Response};
@@ -80,7 +80,7 @@ pub(crate) fn collect(
     meshes: Meshes,
     time: Res<Time<Physics>>,
     rules: Rules,
-    changes: StaticChanges,
+    changes: ChangesAtRest,
     mut rejected: MessageWriter<BodyRejected>,
 ) {
     let step = &mut *step;
@@ -112,7 +112,7 @@ pub(crate) fn collect(
         && !step.engine.is_latent()
         && !meshes.meshes.is_changed()
         && changes.add_movers(&mut step.kept)
-        && !changes.any(&mut step.kept);
+        && !changes.are_many(&mut step.kept);
     let mut reader = Reader {
         step,
         meshes: &meshes,
@@ -412,6 +412,10 @@ impl Reader<'_, '_> {
         hierarchy: &Hierarchy,
         counts: [usize; 2],
     ) -> bool {
+        if !self.changed_statics(bodies) {
+            self.step.kept.forget();
+            return false;
+        }
         let kept = &mut self.step.kept;
         let skips_dormant = kept.may_skip_dormant();
         let list = if skips_dormant {
@@ -468,6 +472,41 @@ impl Reader<'_, '_> {
             is_same = self.step.fill_moving();
         }
         is_same && self.step.new_faults.is_empty()
+    }
+
+    /// Reads again the static colliders that have changed. Returns false if all are to be read again.
+    fn changed_statics(&mut self, bodies: &mut Query<BodyComponents, IsBody>) -> bool {
+        let mut changed = std::mem::take(&mut self.step.kept.changed);
+        changed.sort_unstable();
+        changed.dedup();
+        let mut read = Vec::new();
+        for &entity in &changed {
+            let Ok(mut body) = bodies.get_mut(entity) else {
+                return false;
+            };
+            if !self.is_single(&body) || self.step.assembly(entity).is_some() {
+                return false;
+            }
+            body.note(self.rules.has_hooks, &mut self.step.oddities);
+            let posed = Posed::root(body.transform);
+            self.single(&mut body, &posed);
+            let Some(Candidate { id, body, .. }) = self.step.candidates.pop() else {
+                return false;
+            };
+            let entities = &self.step.kept.rows.entities;
+            match entities.number_of(entity) {
+                Some(number) if entities.keyed(number) == id => read.push((number as u32, body)),
+                _ => return false,
+            }
+        }
+        self.step.kept.statics_read += read.len();
+        if read.is_empty() {
+            return true;
+        }
+        let StepInput { bodies, meshes, .. } = &mut self.step.state.input;
+        let is_valid = bodies.rewrite_static(&read, meshes).is_ok();
+        self.step.kept.keep_changes(bodies);
+        is_valid
     }
 
     /// Reads again what moves, dormant bodies too.

@@ -16,6 +16,9 @@ const FEW_ENTITIES: usize = 64;
 /// With more bodies that move for each one at rest, to read all takes no longer.
 const MOST_MOVERS: usize = 4;
 
+/// Notes of so many changes of static colliders; with more all are read again.
+const MOST_CHANGES: usize = 256;
+
 /// The settings on which what is read of a body depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ReadRules {
@@ -53,6 +56,10 @@ pub(crate) struct Kept {
     dormant_name: Revision,
     /// Whether users have written to dormant bodies, or these have gone.
     pub has_news: bool,
+    /// Static colliders to which users have written.
+    pub changed: Vec<Entity>,
+    /// How many of them the step has read.
+    pub statics_read: usize,
     /// Their colliders on other entities, by their indices among the
     /// [`ChildColliders`](super::children::ChildColliders).
     pub moving_children: Vec<u32>,
@@ -79,8 +86,15 @@ impl Kept {
         self.revision.is(bodies.revision) && self.rules == rules
     }
 
+    /// Static colliders have changed, but kept their numbers.
+    pub fn keep_changes(&mut self, bodies: &Bodies) {
+        self.revision = bodies.revision;
+    }
+
     /// Notes which bodies are dormant after the last step.
     pub fn begin(&mut self, bodies: &Bodies) {
+        self.changed.clear();
+        self.statics_read = 0;
         let set = &bodies.dormant;
         if self.dormant_name.is(set.name) || self.dormant.is_empty() && set.count == 0 {
             return;
@@ -95,6 +109,11 @@ impl Kept {
         self.awake.clear();
         self.awake
             .extend(self.movers.iter().filter(|&&body| !dormant.contains(body)));
+    }
+
+    /// Whether there are dormant bodies.
+    pub fn has_dormant(&self) -> bool {
+        !self.dormant.is_empty()
     }
 
     /// Whether a step may leave dormant bodies as they are.
@@ -116,16 +135,20 @@ impl Kept {
         }
     }
 
-    /// Notes that users have written to a body. Returns whether it is static.
+    /// Notes that users have written to a body. Returns whether all static ones are to be read again.
     pub fn note_written(&mut self, body: Entity, kind: Option<RigidBody>) -> bool {
-        match kind {
+        let is_static = match kind {
             Some(RigidBody::Static) => true,
             Some(_) => {
                 self.has_news |= self.dormant.contains(body);
                 false
             }
             None => !self.moves(body),
+        };
+        if is_static {
+            self.changed.push(body);
         }
+        self.changed.len() > MOST_CHANGES
     }
 
     /// How many colliders keep their numbers if these `candidates` are all that are neither static nor dormant. `None` if a

@@ -278,7 +278,7 @@ pub(crate) fn publish(
     *report = StepReport {
         step: report.step + 1,
         bodies: results.body_counts.iter().sum(),
-        colliders_read: step.candidates.len(),
+        colliders_read: step.candidates.len() + step.kept.statics_read,
         stages: step.state.results.times,
         total: std::time::Duration::ZERO,
         sphere_pairs: counts.sphere_pairs,
