@@ -27,11 +27,9 @@ mod tests {
     #[test]
     fn lists_are_merged_in_order() {
         let mut all = Vec::new();
+        let lists: [&[(i32, char)]; 2] = [&[(1, 'a'), (3, 'a'), (3, 'b')], &[(0, 'c'), (3, 'c')]];
         merge(
-            [
-                [(1, 'a'), (3, 'a'), (3, 'b')].into_iter(),
-                [(0, 'c'), (3, 'c')].into_iter(),
-            ],
+            lists.map(|list| list.iter().copied()),
             |&(key, _)| key,
             |element| all.push(element),
         );
