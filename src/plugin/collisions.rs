@@ -22,8 +22,8 @@ use std::time::Duration;
 ///   and they met at any time in the step.
 ///
 /// Bodies asleep touch like bodies awake. "Ascending" and "smaller" refer to the order of
-/// [`StableKey`](crate::plugin::components::StableKey), and of [`Entity`] for colliders without one, which is not the order
-/// of spawning.
+/// [`StableKey`](crate::plugin::components::StableKey), and then, for colliders without one, to the order of spawning. An entity
+/// with the index of one that was despawned comes after those that have a new index.
 #[derive(Resource, Reflect, Debug, Default)]
 #[reflect(Resource, Default, Debug)]
 pub struct Collisions {
@@ -213,8 +213,7 @@ impl Collisions {
     /// diameter, and grows with its speed.
     ///
     /// In the order of the step: first pairs of colliders, then colliders (first) with planes (second). Of a pair the static
-    /// collider comes first, else the one with the smaller [`StableKey`](crate::plugin::components::StableKey), else the one that
-    /// was spawned first. Sensors have no manifolds, and
+    /// collider comes first, else the smaller one. Sensors have no manifolds, and
     /// [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
     ///
     /// # A solver of your own

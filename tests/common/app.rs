@@ -200,8 +200,15 @@ pub fn resting(mesh: &MeshCollider, position: Vec3) -> impl Bundle + use<> {
     (RigidBody::Dynamic, mesh.clone(), Transform::from_translation(position))
 }
 
+/// Its place in the order of collisions, if it has no stable key: that of spawning, for entities that replace no others.
+pub fn place(entity: &Entity) -> u64 {
+    entity.to_bits() ^ u64::from(u32::MAX)
+}
+
 pub fn sorted(one: Entity, other: Entity) -> [Entity; 2] {
-    [one.min(other), one.max(other)]
+    let mut both = [one, other];
+    both.sort_by_key(place);
+    both
 }
 
 pub fn assert_near(found: Vec3, wanted: Vec3, tolerance: f32) {

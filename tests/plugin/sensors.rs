@@ -1,6 +1,6 @@
 //! What sensors notice, and what is told of touches that come and go.
 
-use crate::app::{DT, Sim, assert_near, resting, sorted};
+use crate::app::{DT, Sim, assert_near, place, resting, sorted};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
@@ -137,7 +137,7 @@ pub fn a_dynamic_sensor_that_falls_asleep_goes_on_reporting() {
         assert_eq!(told(&sim, sensor, other), [1, 0]);
     }
     let mut others = vec![block, body];
-    others.sort();
+    others.sort_by_key(place);
     assert_eq!(*sim.get::<CollidingEntities>(sensor), others);
 }
 

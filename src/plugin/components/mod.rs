@@ -170,7 +170,7 @@ pub struct DrivenVelocity {
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyCulling(pub Culling);
 
-/// The colliders and planes that a collider touches, in the order of [`StableKey`], then of entities; on a body those that any of its colliders
+/// The colliders and planes that a collider touches, in the order of [`StableKey`], then of spawning; on a body those that any of its colliders
 /// touches. Add it to a collider, body or plane, and the step keeps it up to date. An entity stays in the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last
 /// touch.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]

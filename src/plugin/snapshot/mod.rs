@@ -134,7 +134,7 @@ impl Snapshot {
         step.rouse_all();
         let mut snapshot = Self {
             bodies,
-            touching: step.touching.clone(),
+            touching: step.touching.pairs.clone(),
             nested: step.nested.clone(),
             driven: step.driven.at_rest(),
             driven_velocities,
@@ -205,7 +205,7 @@ impl Snapshot {
         if let Some(mut step) = world.get_resource_mut::<Step>() {
             step.written_at = Some(written_at);
             step.driven.clone_from(&self.driven);
-            step.touching.clone_from(&self.touching);
+            step.touching.pairs.clone_from(&self.touching);
             self.restore_memory(&mut step);
         }
         gone

@@ -52,7 +52,9 @@ mod tests {
         let entity = |index| Entity::from_raw_u32(index).unwrap();
         let mut set = EntityIndexSet::default();
         assert!(set.is_empty() && !set.contains(entity(70)));
-        [3, 70, 70, 1000].map(|index| set.insert(entity(index)));
+        [3, 70, 70, 1000]
+            .into_iter()
+            .for_each(|index| set.insert(entity(index)));
         let found: Vec<u32> = (0..2000).filter(|&index| set.contains(entity(index))).collect();
         assert_eq!((found, set.count), (vec![3, 70, 1000], 3));
         set.clear();

@@ -25,6 +25,7 @@ mod shadow;
 mod sheared;
 mod split;
 mod tables;
+mod touching;
 
 use crate::asset::CollisionMesh;
 use crate::plugin::backend::Engine;
@@ -50,8 +51,9 @@ use driven::DrivenBodies;
 use entity_hooks::{EntityHooks, Numbered};
 use hierarchy::NestedBodies;
 use kept::Kept;
-use order::Keyed;
 use std::collections::BTreeMap;
+pub(crate) use touching::Touching;
+use touching::TouchingPairs;
 use web_time::Instant;
 
 /// The stages' arrays, and the entities to which their elements belong.
@@ -103,18 +105,10 @@ pub(crate) struct Step {
     pub new_faults: Vec<(Entity, BodyFault)>,
     /// Components without effect.
     pub oddities: oddities::Oddities,
-    /// Pairs whose collision has started and not ended, ascending.
-    pub touching: Vec<Touching>,
-    /// Those of dormant bodies, ascending, which are not among these.
-    pub touching_dormant: Vec<Touching>,
+    /// Pairs whose collision has started and not ended.
+    pub touching: TouchingPairs,
     /// Names the dormant bodies whose contacts are published.
     pub published_dormant: Revision,
-    /// Scratch: the same pairs after this step.
-    pub touching_now: Vec<Touching>,
-    /// Scratch: pairs that no longer touch, but whose collision has not ended.
-    pub lingering: Vec<Touching>,
-    /// Scratch: the pairs of `touching_now` in both orders.
-    pub touching_both_ways: Vec<(Entity, Keyed)>,
     /// Scratch: colliders and bodies of `touching` whose `Transform` others wrote since the last step, ascending.
     pub written: Vec<Entity>,
     /// When the step last wrote `Transform`s.
@@ -136,38 +130,6 @@ pub(crate) struct Step {
 pub(crate) fn named(entity: Entity, name: Option<&Name>) -> String {
     let name = name.map(|name| format!(" \"{name}\""));
     format!("{entity}{}", name.unwrap_or_default())
-}
-
-/// A pair whose collision has started and not ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Touching {
-    /// The pair of colliders, with `first < second`.
-    pub pair: [Keyed; 2],
-    /// Their bodies.
-    pub bodies: [Entity; 2],
-    /// Seconds without a touch after which the collision ends.
-    pub left: f32,
-}
-
-impl Touching {
-    /// The two colliders.
-    pub fn colliders(&self) -> [Entity; 2] {
-        self.pair.map(|id| id.entity)
-    }
-
-    /// The same with its pair in ascending order.
-    pub fn ordered(mut self) -> Self {
-        if self.pair[0] > self.pair[1] {
-            self.pair.reverse();
-            self.bodies.reverse();
-        }
-        self
-    }
-
-    /// Whether both are the same collision. A collider that became part of another body begins to touch anew.
-    pub fn is_same(&self, other: &Self) -> bool {
-        (self.pair, self.bodies) == (other.pair, other.bodies)
-    }
 }
 
 impl Step {
@@ -198,12 +160,8 @@ impl Step {
             faults: Vec::new(),
             new_faults: Vec::new(),
             oddities: oddities::Oddities::default(),
-            touching: Vec::new(),
-            touching_dormant: Vec::new(),
+            touching: TouchingPairs::default(),
             published_dormant: Revision::UNKNOWN,
-            touching_now: Vec::new(),
-            lingering: Vec::new(),
-            touching_both_ways: Vec::new(),
             written: Vec::new(),
             written_at: None,
             hooks: None,
@@ -349,15 +307,7 @@ impl Step {
     /// Ends the dormancy of all bodies, so that the memory of the last step is complete.
     pub fn rouse_all(&mut self) {
         self.state.rouse_all();
-        self.join_touching();
-    }
-
-    /// Joins the collisions of bodies that were dormant to the others.
-    pub fn join_touching(&mut self) {
-        if !self.touching_dormant.is_empty() {
-            self.touching.append(&mut self.touching_dormant);
-            self.touching.sort_unstable_by_key(|touching| touching.pair);
-        }
+        self.touching.join_dormant();
     }
 
     /// Runs a step if its results come later. Returns false if results are not to come later.

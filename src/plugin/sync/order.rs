@@ -3,7 +3,6 @@
 use super::split::Split;
 use crate::plugin::components::StableKey;
 use bevy::prelude::*;
-use std::cmp::Ordering;
 use std::ops::Index;
 use std::sync::Arc;
 
@@ -13,24 +12,11 @@ const OF_ENTITY: u64 = 1 << 63;
 /// The bits of an entity's index, which ascends in the order of spawning only if they are flipped.
 const INDEX: u64 = u32::MAX as u64;
 
-/// An entity with its key in the order of a step. Users see them in another order: by stable keys, then by entities.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// An entity with its key in the order of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Keyed {
     pub key: u64,
     pub entity: Entity,
-}
-
-impl Ord for Keyed {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let stable = |id: &Self| if id.is_stable() { id.key } else { OF_ENTITY };
-        (stable(self), self.entity).cmp(&(stable(other), other.entity))
-    }
-}
-
-impl PartialOrd for Keyed {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
 }
 
 impl Keyed {
@@ -80,15 +66,14 @@ pub(crate) trait InOrder {
 /// Puts what is static before what is not, each in the order of keys. Without memory of its own, unlike a stable sort.
 pub(crate) fn put_static_first<T: InOrder>(items: &mut [T]) {
     if !items.is_sorted_by_key(|item| !item.is_static()) {
-        items.sort_unstable_by_key(|item| (!item.is_static(), item.id().key));
+        items.sort_unstable_by_key(|item| (!item.is_static(), item.id()));
     }
 }
 
 /// Sorts items by their keys. Of those with the same stable key all but the first get the key of their entity, and are
 /// passed to `same`.
 pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
-    let order = |item: &T| (item.id().key, item.id().entity);
-    items.sort_unstable_by_key(order);
+    items.sort_unstable_by_key(InOrder::id);
     let mut is_changed = false;
     for i in (1..items.len()).rev() {
         let id = items[i].id();
@@ -100,7 +85,7 @@ pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
         }
     }
     if is_changed {
-        items.sort_unstable_by_key(order);
+        items.sort_unstable_by_key(InOrder::id);
     }
 }
 

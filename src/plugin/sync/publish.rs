@@ -1,15 +1,12 @@
 //! Writes results to components, resources, messages and events, after a step.
 
-use super::collected::Collected;
+use super::Step;
 use super::hierarchy::{parent_in, sort_top_down, world_above};
-use super::key_order::put_in_key_order;
-use super::{Step, Touching};
+use super::touching::Told;
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
 use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
-use crate::plugin::events::{CollisionEnd, CollisionStart};
 use crate::plugin::settings::EventHysteresis;
-use crate::state::{Contacts, StepInput};
 use crate::types::body::*;
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::EntityHashSet;
@@ -139,12 +136,12 @@ impl WrittenTransforms<'_, '_> {
 pub(crate) fn find_written(mut step: ResMut<Step>, written: WrittenTransforms) {
     let step = &mut *step;
     if step.has_new_dormant() {
-        step.join_touching();
+        step.touching.join_dormant();
     }
     step.written.clear();
     let Some(written_at) = step.written_at else { return };
-    let touching =
-        (step.touching.iter()).flat_map(|touching| [touching.colliders(), touching.bodies].into_iter().flatten());
+    let touching = step.touching.pairs.iter();
+    let touching = touching.flat_map(|touching| [touching.colliders(), touching.bodies].into_iter().flatten());
     let placed = touching.filter(|&entity| written.contains(entity, written_at));
     step.written.extend(placed);
     step.written.sort_unstable();
@@ -247,164 +244,24 @@ pub(crate) fn report_failure(
     }
 }
 
-/// Publishes contacts and the step's report, and sends messages of collisions that started or ended.
+/// Publishes contacts and the step's report, and tells of collisions that started or ended.
 pub(crate) fn publish(
     mut step: ResMut<Step>,
     mut collisions: ResMut<Collisions>,
     mut report: ResMut<StepReport>,
     hysteresis: Res<EventHysteresis>,
-    mut started: MessageWriter<CollisionStart>,
-    mut ended: MessageWriter<CollisionEnd>,
-    observed: Query<(), With<CollisionEventsEnabled>>,
-    mut colliding: Query<(Entity, &mut CollidingEntities)>,
-    mut commands: Commands,
+    mut told: Told,
 ) {
     let step = &mut *step;
     (report.in_flight, report.waits) = step.engine.flights();
-    let step_has_new_dormant = step.has_new_dormant();
-    if step_has_new_dormant {
-        step.join_touching();
+    if step.results.is_none() {
+        return;
     }
-    let Some(results) = &mut step.results else { return };
-    let counts = step.counts;
-    if counts.crowded > 0 && report.crowded_bodies == 0 {
-        let example = step.state.results.crowd.example as usize;
-        error!(
-            "{} bodies overlap so many others that the step leaves some of their pairs out; one of them is {} at {}. Move them \
-             apart, despawn some, let their CollisionLayers not meet, or raise StepLimits",
-            counts.crowded, results.bodies[example], step.state.input.bodies.center[example]
-        );
-    }
-    *report = StepReport {
-        step: report.step + 1,
-        bodies: results.body_counts.iter().sum(),
-        colliders_read: step.candidates.len() + step.kept.statics_read,
-        stages: step.state.results.times,
-        total: std::time::Duration::ZERO,
-        sphere_pairs: counts.sphere_pairs,
-        approximate_pairs: counts.approximate_pairs,
-        tables_in_bake: step.tables.in_bake(),
-        touching_pairs: counts.touching_pairs,
-        contact_points: counts.contact_points,
-        collision_substeps: step.state.results.collision_substeps,
-        mean_collision_substeps: step.state.results.mean_collision_substeps,
-        sleeping: counts.asleep,
-        dormant: counts.dormant,
-        triangle_tests: counts.triangle_tests,
-        face_pairs: counts.face_pairs,
-        parallel_stages: step.engine.parallel_stages(),
-        crowded_bodies: counts.crowded,
-        gpu: step.state.results.gpu,
-        ..*report
-    };
-
-    put_in_key_order(&mut step.state.results.contacts, &results.entities);
-    let hold = seconds(*hysteresis);
-    let touching = &mut step.touching_now;
-    touching.clear();
-    add_touching(&step.state.results.contacts, results, hold, touching);
-    let dormant_changed = step_has_new_dormant;
-    let waiting = &mut step.state.scratch.dormant;
-    waiting.renumber_planes(results.entities.len() as u32);
-    if !dormant_changed && collisions.rows.entities.len() != results.entities.len() {
-        // Planes have other numbers.
-        collisions.dormant_manifolds.copy_from(&waiting.manifolds);
-    }
-    if dormant_changed {
-        collisions.dormant_contacts.clone_from(&waiting.contacts);
-        collisions.dormant_manifolds.copy_from(&waiting.manifolds);
-        put_in_key_order(&mut collisions.dormant_contacts, &results.entities);
-        add_touching(&collisions.dormant_contacts, results, hold, touching);
-    }
-    touching.sort_unstable_by_key(|touching| touching.pair);
-    let dt = step.state.input.config.dt;
-    let is_latent = step.engine.is_latent();
-    let was_taken_away = |before: &Touching| {
-        let is_written = |entity: &Entity| step.written.binary_search(entity).is_ok();
-        // Where results come late, the arrays are those of another step.
-        !is_latent
-            && [before.colliders(), before.bodies].iter().flatten().any(is_written)
-            && !is_near(results, &step.state.input, before.colliders())
-    };
-    step.lingering.clear();
-    step.lingering.extend(step.touching.iter().filter_map(|before| {
-        let same = touching.binary_search_by_key(&before.pair, |now| now.pair);
-        let touches = same.is_ok_and(|at| touching[at].is_same(before));
-        let left = before.left.min(hold) - dt;
-        let same_bodies = before.colliders().map(|entity| results.body_of(entity)) == before.bodies.map(Some);
-        let lingers = !touches && left > 0.0 && same_bodies && !was_taken_away(before);
-        lingers.then_some(Touching { left, ..*before })
-    }));
-    touching.append(&mut step.lingering);
-    touching.sort_unstable_by_key(|touching| touching.pair);
-
-    let mut send = |touching: &Touching, start: bool| {
-        let ([a, b], [body_a, body_b]) = (touching.colliders(), touching.bodies);
-        let event = |target, [collider1, collider2]: [Entity; 2], [body1, body2]: [Entity; 2]| CollisionStart {
-            target,
-            collider1,
-            collider2,
-            body1,
-            body2,
-        };
-        let message = event(a, [a, b], [body_a, body_b]);
-        if start {
-            started.write(message);
-        } else {
-            ended.write(message.into_end());
-        }
-        for (colliders, bodies) in [([a, b], [body_a, body_b]), ([b, a], [body_b, body_a])] {
-            let (collider, body) = (colliders[0], bodies[0]);
-            let body = Some(body).filter(|&body| body != collider);
-            for target in [Some(collider), body].into_iter().flatten() {
-                if observed.contains(target) {
-                    let event = event(target, colliders, bodies);
-                    if start {
-                        commands.trigger(event);
-                    } else {
-                        commands.trigger(event.into_end());
-                    }
-                }
-            }
-        }
-    };
-    differences(&step.touching, touching, &mut send);
-
-    if !colliding.is_empty() {
-        let both = &mut step.touching_both_ways;
-        both.clear();
-        for &Touching { pair, bodies, .. } in touching.iter().chain(&step.touching_dormant) {
-            for (own, other) in [(0, 1), (1, 0)] {
-                both.push((pair[own].entity, pair[other]));
-                if bodies[own] != pair[own].entity {
-                    both.push((bodies[own], pair[other]));
-                }
-            }
-        }
-        both.sort_unstable();
-        // Several colliders of a body may touch the same one.
-        both.dedup();
-        for (entity, mut list) in &mut colliding {
-            let first = both.partition_point(|&(own, _)| own < entity);
-            let own = both[first..].iter().take_while(|&&(own, _)| own == entity);
-            let others = own.map(|&(_, other)| other.entity);
-            if !list.iter().copied().eq(others.clone()) {
-                list.0.clear();
-                list.0.extend(others);
-            }
-        }
-    }
-    std::mem::swap(&mut step.touching, &mut step.touching_now);
-    if dormant_changed {
-        step.published_dormant = step.state.input.bodies.dormant.name;
-        let dormant = &mut step.touching_dormant;
-        add_touching(&collisions.dormant_contacts, results, hold, dormant);
-        dormant.sort_unstable_by_key(|touching| touching.pair);
-        let waits = |touching: &Touching| dormant.binary_search_by_key(&touching.pair, |own| own.pair).is_ok();
-        step.touching.retain(|touching| !waits(touching));
-    }
-
+    step.warn_of_crowd(report.crowded_bodies);
+    step.report(&mut report);
+    step.touch(&mut collisions, seconds(*hysteresis), &mut told);
     report.total = step.begun.elapsed();
+    let Some(results) = &mut step.results else { return };
     std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);
     std::mem::swap(&mut collisions.rows, &mut results.rows);
     std::mem::swap(&mut collisions.planes, &mut results.planes);
@@ -412,38 +269,47 @@ pub(crate) fn publish(
     collisions.manifolds.copy_from(&step.state.results.manifolds);
 }
 
-/// Adds the pairs that touch, of which each ends `hold` seconds after its last touch.
-fn add_touching(contacts: &Contacts, results: &Collected, hold: f32, touching: &mut Vec<Touching>) {
-    let pairs = contacts.pairs.iter().map(|pair| Touching {
-        pair: pair.bodies.map(|i| results.entities.keyed(i as usize)),
-        bodies: pair.bodies.map(|i| results.bodies[i as usize]),
-        left: if pair.passing { 0.0 } else { hold },
-    });
-    let planes = contacts.planes.iter().map(|c| {
-        let plane = results.planes.keyed(c.plane as usize);
-        let (collider, body) = (results.entities.keyed(c.body as usize), results.bodies[c.body as usize]);
-        let touching = Touching {
-            pair: [collider, plane],
-            bodies: [body, plane.entity],
-            left: hold,
-        };
-        touching.ordered()
-    });
-    touching.extend(pairs.chain(planes));
-}
-
-/// Whether the bounding spheres of a pair overlap, or one of them a plane.
-fn is_near(collected: &Collected, input: &StepInput, pair: [Entity; 2]) -> bool {
-    let bodies = &input.bodies;
-    let number = |entity: &Entity| collected.entities.number_of(*entity);
-    match [number(&pair[0]), number(&pair[1])] {
-        [Some(a), Some(b)] => bodies.center[a].distance(bodies.center[b]) <= bodies.radius[a] + bodies.radius[b],
-        [Some(i), None] | [None, Some(i)] => {
-            let mut planes = collected.planes.iter().zip(&input.planes);
-            let plane = planes.find(|&(entity, _)| pair.contains(&entity));
-            plane.is_some_and(|(_, plane)| plane.normal.dot(bodies.center[i]) - plane.distance <= bodies.radius[i])
+impl Step {
+    /// Logs the first step that leaves pairs out.
+    fn warn_of_crowd(&self, before: usize) {
+        let Some(results) = &self.results else { return };
+        let crowded = self.counts.crowded;
+        if crowded > 0 && before == 0 {
+            let example = self.state.results.crowd.example as usize;
+            error!(
+                "{crowded} bodies overlap so many others that the step leaves some of their pairs out; one of them is {} at {}. \
+                 Move them apart, despawn some, let their CollisionLayers not meet, or raise StepLimits",
+                results.bodies[example], self.state.input.bodies.center[example]
+            );
         }
-        [None, None] => false,
+    }
+
+    /// Reports the last step, but for its total time.
+    fn report(&self, report: &mut StepReport) {
+        let (counts, results) = (self.counts, &self.state.results);
+        let body_counts = self.results.as_ref().map_or([0; 2], |results| results.body_counts);
+        *report = StepReport {
+            step: report.step + 1,
+            bodies: body_counts.iter().sum(),
+            colliders_read: self.candidates.len() + self.kept.statics_read,
+            stages: results.times,
+            total: std::time::Duration::ZERO,
+            sphere_pairs: counts.sphere_pairs,
+            approximate_pairs: counts.approximate_pairs,
+            tables_in_bake: self.tables.in_bake(),
+            touching_pairs: counts.touching_pairs,
+            contact_points: counts.contact_points,
+            collision_substeps: results.collision_substeps,
+            mean_collision_substeps: results.mean_collision_substeps,
+            sleeping: counts.asleep,
+            dormant: counts.dormant,
+            triangle_tests: counts.triangle_tests,
+            face_pairs: counts.face_pairs,
+            parallel_stages: self.engine.parallel_stages(),
+            crowded_bodies: counts.crowded,
+            gpu: results.gpu,
+            ..*report
+        };
     }
 }
 
@@ -456,28 +322,4 @@ fn seconds(hysteresis: EventHysteresis) -> f32 {
         return *EventHysteresis::default();
     }
     hysteresis.max(0.0)
-}
-
-/// Walks two ascending lists, and calls `send` with each collision that is only in the second (`true`) or only in the first
-/// (`false`).
-fn differences(before: &[Touching], after: &[Touching], send: &mut impl FnMut(&Touching, bool)) {
-    let (mut before, mut after) = (before.iter().peekable(), after.iter().peekable());
-    loop {
-        match (before.peek(), after.peek()) {
-            (Some(b), Some(a)) if b.is_same(a) => {
-                before.next();
-                after.next();
-            }
-            // Of a collider that changes its body one collision ends, and then one starts.
-            (Some(b), a) if a.is_none_or(|a| b.pair <= a.pair) => {
-                send(b, false);
-                before.next();
-            }
-            (_, Some(a)) => {
-                send(a, true);
-                after.next();
-            }
-            _ => return,
-        }
-    }
 }
