@@ -18,6 +18,7 @@ mod oddities;
 pub(crate) mod order;
 pub(crate) mod planes;
 pub(crate) mod publish;
+mod reader;
 #[cfg(feature = "gpu")]
 pub(crate) mod release;
 #[cfg(feature = "gpu")]
