@@ -84,6 +84,19 @@ pub const GAMES: &[Game] = &[
     }),
     game("4,000 cubes asleep on a floor, ten in flight", 128, sleepers),
     game("one cube spawned and one despawned a step, 20,000 static", 64, spawning),
+    game("4,000 cubes asleep, and a ball that rolls between them", 256, |world| {
+        sleepers(world);
+        let ball = mesh(world, &ball());
+        let push = move |mut steps: Local<u32>, mut commands: Commands| {
+            *steps += 1;
+            if *steps == 64 {
+                let place = Transform::from_xyz(1.0, 0.3, -1.0);
+                let rolls = LinearVelocity(Vec3::new(0.2, 0.0, 20.0));
+                commands.spawn((RigidBody::Dynamic, ball.clone(), place, rolls));
+            }
+        };
+        world.resource_mut::<Schedules>().add_systems(FixedUpdate, push);
+    }),
     game(
         "one cube spawned and one despawned a step, 4,000 asleep",
         128,

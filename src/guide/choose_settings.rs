@@ -95,6 +95,9 @@
 //! Rubble, coins, a shaken box. Time goes to contacts between bodies that are awake.
 //!
 //! * Let them sleep. [`SleepingDisabled`] keeps a body awake, and with it all that it touches.
+//! * On the CPU, where more than 64 bodies sleep, those with nothing awake near are dormant and cost a step nothing:
+//!   [`StepReport::dormant`] counts them. What rests on a kinematic body, bodies of several colliders, bodies under other
+//!   entities, and all bodies of a world with collision hooks are not among them.
 //! * Give small bodies coarse meshes. The mesh that is drawn may be a finer one.
 //! * Let rubble not collide with what does not matter: [`CollisionLayers`](crate::types::body::CollisionLayers).
 //! * Look at [`StepReport`](crate::plugin::collisions::StepReport) before you change anything else. If
@@ -252,6 +255,7 @@
 //! [`Snapshot`]: crate::plugin::snapshot::Snapshot
 //! [`StableKey`]: crate::plugin::components::StableKey
 //! [`SleepingDisabled`]: crate::plugin::components::SleepingDisabled
+//! [`StepReport::dormant`]: crate::plugin::collisions::StepReport::dormant
 //! [`ContinuousCollision`]: crate::plugin::components::ContinuousCollision
 //! [`SolverSettings::substeps`]: crate::types::solver_settings::SolverSettings::substeps
 //! [`SolverSettings::max_collision_substeps`]: crate::types::solver_settings::SolverSettings::max_collision_substeps

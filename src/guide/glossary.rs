@@ -28,6 +28,7 @@
 //! | warm start | the solver begins with the impulses of the last collision substep |
 //! | island | bodies that contacts connect. It sleeps and wakes as one |
 //! | sleep | bodies at rest are left out until something wakes them |
+//! | dormant | asleep, with nothing awake near: a step does nothing for such a body |
 //! | driven | of a kinematic body: it moves because its `Transform` is written, and not by a velocity |
 //! | backend | what runs the stages: the CPU or a GPU. [`Backend`], [`ActiveBackend`] |
 //! | readback | when results of a GPU reach components: [`Readback`]. Bodies are *resident* if they stay there |

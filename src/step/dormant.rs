@@ -49,6 +49,8 @@ pub(crate) struct Dormant {
     candidates: Candidates,
     /// Whether dormancy has ended in this step.
     has_ended: bool,
+    /// How often bodies have been roused in this step.
+    rounds: u32,
 }
 
 /// A dormant group.
@@ -75,6 +77,9 @@ struct Candidates {
 /// Dormant colliders that a step meets.
 #[derive(Debug)]
 pub(crate) struct Met(Vec<u32>);
+
+/// Those who are roused may meet others in turn. After so many rounds in a step all are roused: each round is a search.
+const MOST_ROUNDS: u32 = 3;
 
 /// What of a step changes when bodies become dormant or are roused.
 pub(crate) struct Lists<'a> {
@@ -107,6 +112,7 @@ impl Dormant {
         results: &mut StepResults,
     ) -> Result<(), Met> {
         self.has_ended = false;
+        self.rounds = 0;
         if self.groups.is_empty() {
             return Ok(());
         }
@@ -168,6 +174,15 @@ impl Dormant {
         self.forget(bodies);
     }
 
+    /// Copies of the memory and the manifolds of the last step, with what waits.
+    #[cfg(feature = "bevy")]
+    pub fn complete(&self, memory: &StepMemory, manifolds: &Manifolds) -> (StepMemory, Manifolds) {
+        let warm = memory.warm.merged(&self.impulses);
+        // After a step its planes have the numbers of these.
+        let manifolds = manifolds.merged(&self.manifolds, self.first_plane);
+        (StepMemory { warm, ..memory.clone() }, manifolds)
+    }
+
     /// Drops all that waits. No body is dormant any more.
     pub fn forget(&mut self, bodies: &mut Bodies) {
         bodies.end_dormancy();
@@ -207,6 +222,11 @@ impl Dormant {
             memory,
             results,
         } = lists;
+        self.rounds += 1;
+        let met = match self.rounds > MOST_ROUNDS {
+            true => self.groups.keys().copied().collect(),
+            false => met,
+        };
         let mut roused = Vec::new();
         for i in met {
             if let Some(group) = self.groups.remove(&self.group_of[i as usize]) {

@@ -7,7 +7,7 @@
 //!
 //! | stage | part | what it does | reads | writes |
 //! |---|---|---|---|---|
-//! | [`broad_phase`] | begin (first) | restores sleeping bodies, chooses the number of collision substeps and the speculative margins | [`StepInput`], [`StepMemory`] | solver bodies, margins |
+//! | [`broad_phase`] | begin (first) | restores sleeping bodies, rouses [dormant](dormant) ones, chooses the number of collision substeps and the speculative margins | [`StepInput`], [`StepMemory`] | solver bodies, margins |
 //! | | find sphere pairs | finds overlapping bounding spheres with a hashed grid | bounding spheres and margins | pairs |
 //! | | filter pairs | leaves out pairs by the caller's [`hooks`] | pairs | pairs |
 //! | [`angles`] | find near pairs | separates most of these pairs by support axes | pairs, poses, support heights, face tables | near pairs with relative poses |
@@ -25,7 +25,7 @@
 //! | | stop fast bodies (C) | [`ccd`]: stops them at their first impact | solver bodies, poses before | solver bodies, touches |
 //! | | move bodies (C) | copies poses and velocities from the solver | solver bodies | bodies |
 //! | | report touches (C, last) | merges the touches with the results of the triangle test | touches | contacts, sleeping bodies |
-//! | | remember (last) | saves what the next step needs | solver bodies | [`StepMemory`] |
+//! | | remember (last) | saves what the next step needs, and lets bodies become [dormant](dormant) | solver bodies | [`StepMemory`] |
 //!
 //! N, I, C: only with the response None, Impulse, Contacts. First, last: only in the first or last collision substep.
 //! [`order`] is this table as code, and both backends run it. `step::cpu` calls one function per part, which is in the
@@ -74,7 +74,7 @@ pub use memory::StepMemory;
 pub use scratch::StepScratch;
 
 #[cfg(feature = "bevy")]
-use crate::state::Counts;
+use crate::state::{Counts, Manifolds};
 use crate::state::{StepInput, StepResults};
 
 /// All data of a step. Use the same one for every step of a world, because it has the state that persists and the
@@ -99,6 +99,21 @@ impl StepState {
         self.scratch.dormant.add_to(&mut counts);
         counts.dormant = self.input.bodies.left_out();
         counts
+    }
+
+    /// Copies of the memory and the manifolds of the last step, with those of dormant bodies.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn complete_memory(&self) -> (StepMemory, Manifolds) {
+        let Self {
+            results,
+            memory,
+            scratch,
+            ..
+        } = self;
+        match scratch.dormant.any() {
+            true => scratch.dormant.complete(memory, &results.manifolds),
+            false => (memory.clone(), results.manifolds.clone()),
+        }
     }
 
     /// Ends the dormancy of all bodies, so that memory and results are complete.

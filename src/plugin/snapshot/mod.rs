@@ -131,10 +131,9 @@ impl Snapshot {
             }
         }
         step.catch_up(&mut bodies);
-        step.rouse_all();
         let mut snapshot = Self {
             bodies,
-            touching: step.touching.pairs.clone(),
+            touching: step.touching.all(),
             nested: step.nested.clone(),
             driven: step.driven.at_rest(),
             driven_velocities,
@@ -157,8 +156,7 @@ impl Snapshot {
             self.device = step.device_memory();
             return;
         }
-        self.memory.clone_from(&step.state.memory);
-        self.manifolds.copy_from(&step.state.results.manifolds);
+        (self.memory, self.manifolds) = step.state.complete_memory();
     }
 
     /// Restores the state of all bodies and characters. Pending results of later steps are dropped. Those that were spawned
@@ -205,8 +203,8 @@ impl Snapshot {
         if let Some(mut step) = world.get_resource_mut::<Step>() {
             step.written_at = Some(written_at);
             step.driven.clone_from(&self.driven);
-            step.touching.pairs.clone_from(&self.touching);
             self.restore_memory(&mut step);
+            step.touching.pairs.clone_from(&self.touching);
         }
         gone
     }

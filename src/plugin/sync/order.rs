@@ -73,7 +73,9 @@ pub(crate) fn put_static_first<T: InOrder>(items: &mut [T]) {
 /// Sorts items by their keys. Of those with the same stable key all but the first get the key of their entity, and are
 /// passed to `same`.
 pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
-    items.sort_unstable_by_key(InOrder::id);
+    // Of those with one key the first one spawned keeps it.
+    let order = |item: &T| (item.id().key, Keyed::new(item.id().entity, None).key);
+    items.sort_unstable_by_key(order);
     let mut is_changed = false;
     for i in (1..items.len()).rev() {
         let id = items[i].id();
@@ -85,7 +87,7 @@ pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
         }
     }
     if is_changed {
-        items.sort_unstable_by_key(InOrder::id);
+        items.sort_unstable_by_key(order);
     }
 }
 

@@ -59,6 +59,14 @@ pub(crate) struct TouchingPairs {
 }
 
 impl TouchingPairs {
+    /// All pairs, ascending.
+    pub fn all(&self) -> Vec<Touching> {
+        let mut all = self.pairs.clone();
+        all.extend_from_slice(&self.dormant);
+        all.sort_unstable_by_key(|touching| touching.pair);
+        all
+    }
+
     /// Joins the pairs of bodies that were dormant to the others.
     pub fn join_dormant(&mut self) {
         if !self.dormant.is_empty() {
