@@ -13,11 +13,13 @@ use super::reach::Sweep;
 use crate::broad_phase::cpu::SPHERE_SLACK;
 use crate::geometry::union_find::UnionFind;
 use crate::solver::{SolverBodies, WarmStart};
+#[cfg(feature = "bevy")]
+use crate::state::Counts;
 use crate::state::bodies::Flags;
 use crate::state::inactive::InactiveBodies;
 use crate::state::margins::{BOUND, SAFETY, SpeculativeMargins, sway};
 use crate::state::revision::Revision;
-use crate::state::{Bodies, Contacts, Counts, Manifolds, Plane, StepConfig, StepInput, StepResults};
+use crate::state::{Bodies, Contacts, Manifolds, Plane, StepConfig, StepInput, StepResults};
 use crate::types::body::RigidBody;
 use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::settings::{Culling, Response};
@@ -421,6 +423,7 @@ impl Dormant {
     }
 
     /// Adds the results that wait to the counts of a step.
+    #[cfg(feature = "bevy")]
     pub fn add_to(&self, counts: &mut Counts) {
         counts.sphere_pairs += self.sphere_pairs.len();
         counts.touching_pairs += self.contacts.pairs.len();

@@ -7,7 +7,7 @@
 //!
 //! | stage | part | what it does | reads | writes |
 //! |---|---|---|---|---|
-//! | [`broad_phase`] | begin (first) | restores sleeping bodies, rouses [dormant](dormant) ones, chooses the number of collision substeps and the speculative margins | [`StepInput`], [`StepMemory`] | solver bodies, margins |
+//! | [`broad_phase`] | begin (first) | restores sleeping bodies, rouses dormant ones, chooses the number of collision substeps and the speculative margins | [`StepInput`], [`StepMemory`] | solver bodies, margins |
 //! | | find sphere pairs | finds overlapping bounding spheres with a hashed grid | bounding spheres and margins | pairs |
 //! | | filter pairs | leaves out pairs by the caller's [`hooks`] | pairs | pairs |
 //! | [`angles`] | find near pairs | separates most of these pairs by support axes | pairs, poses, support heights, face tables | near pairs with relative poses |
@@ -25,7 +25,7 @@
 //! | | stop fast bodies (C) | [`ccd`]: stops them at their first impact | solver bodies, poses before | solver bodies, touches |
 //! | | move bodies (C) | copies poses and velocities from the solver | solver bodies | bodies |
 //! | | report touches (C, last) | merges the touches with the results of the triangle test | touches | contacts, sleeping bodies |
-//! | | remember (last) | saves what the next step needs, and lets bodies become [dormant](dormant) | solver bodies | [`StepMemory`] |
+//! | | remember (last) | saves what the next step needs, and lets bodies become dormant | solver bodies | [`StepMemory`] |
 //!
 //! N, I, C: only with the response None, Impulse, Contacts. First, last: only in the first or last collision substep.
 //! [`order`] is this table as code, and both backends run it. `step::cpu` calls one function per part, which is in the
