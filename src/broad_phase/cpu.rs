@@ -106,7 +106,8 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     if !bodies.dormant.filled.is(*in_dormant_grid) {
         *in_dormant_grid = bodies.dormant.filled;
         members.clear();
-        members.extend(all.clone().filter(|&i| bodies.dormant.has(i as usize)));
+        let flagged = (0..).zip(&bodies.dormant.flags).filter(|(_, flag)| **flag);
+        members.extend(flagged.map(|(i, _)| i));
         fill_still(dormant_grid, members, bodies);
     }
 
@@ -177,6 +178,9 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
 
 /// Fills a grid with bodies that do not move, until its cell sizes suit them.
 fn fill_still(grid: &mut Grid, members: &[u32], bodies: &Bodies) {
+    if members.is_empty() && grid.ids.is_empty() {
+        return;
+    }
     for _ in 0..MAX_STATIC_FILLS {
         if !grid.fill(members, &bodies.center, &bodies.speculative_radius) {
             break;
@@ -203,11 +207,14 @@ fn search(
     most: MostPairs,
 ) -> usize {
     let tasks = moving.ids.len().div_ceil(TASK);
-    let [fixed_tasks, loose_tasks] = [fixed, loose].map(|still| still_tasks(still, moving));
-    let is_dormant = |i: u32| bodies.dormant.has(i as usize);
-    // Where all are in the grid, none is in that of loose ones.
+    // Where all static bodies are in the grid, none is in that of loose ones.
     let all_fixed = loose.ids.is_empty();
     let is_fixed = |i: u32| all_fixed || !bodies.static_changes.is_loose(i);
+    let is_dormant = |i: u32| bodies.dormant.has(i as usize);
+    let any = |_: u32| true;
+    // Two bodies that do not move never collide.
+    let still: [(&Grid, &(dyn Fn(u32) -> bool + Sync)); 3] =
+        [(fixed, &is_fixed), (loose, &any), (dormant, &is_dormant)];
     let total = AtomicUsize::new(0);
     loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
         let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
@@ -218,17 +225,34 @@ fn search(
         if task < tasks {
             let own = range(task, moving);
             finder.moving_pairs(moving, own.clone(), bodies);
-            finder.pairs_with_still([moving, fixed], own.clone(), bodies, is_fixed);
-            finder.pairs_with_still([moving, loose], own.clone(), bodies, |_| true);
-            finder.pairs_with_still([moving, dormant], own, bodies, is_dormant);
-        } else if task - tasks < fixed_tasks {
-            finder.still_pairs(fixed, moving, range(task - tasks, fixed), bodies, is_fixed);
-        } else if task - tasks - fixed_tasks < loose_tasks {
-            let own = range(task - tasks - fixed_tasks, loose);
-            finder.still_pairs(loose, moving, own, bodies, |_| true);
-        } else {
-            let own = range(task - tasks - fixed_tasks - loose_tasks, dormant);
-            finder.still_pairs(dormant, moving, own, bodies, is_dormant);
+            // Those of their own and coarser levels; finer ones search for them.
+            for (still, counts) in still {
+                finder.pairs_between(
+                    [moving, still],
+                    own.clone(),
+                    bodies,
+                    |own, other| other >= own,
+                    |[_, i]| counts(i),
+                );
+            }
+            total.fetch_add(finder.found.len(), Ordering::Relaxed);
+            return;
+        }
+        let mut task = task - tasks;
+        for (still, counts) in still {
+            let own_tasks = still_tasks(still, moving);
+            if task < own_tasks {
+                let own = range(task, still);
+                finder.pairs_between(
+                    [still, moving],
+                    own,
+                    bodies,
+                    |own, other| other > own,
+                    |[i, _]| counts(i),
+                );
+                break;
+            }
+            task -= own_tasks;
         }
         total.fetch_add(finder.found.len(), Ordering::Relaxed);
     });
@@ -305,57 +329,23 @@ impl Finder {
         }
     }
 
-    /// Finds the pairs of the moving bodies in `range` with others of their own and coarser levels that do not move, and that
-    /// `count`.
-    fn pairs_with_still(
+    /// Finds the pairs of the bodies of the first grid in `range` with those of the second in levels that `searches` allows, by the
+    /// numbers of both levels, where the pair `counts`.
+    fn pairs_between(
         &mut self,
-        [moving, still]: [&Grid; 2],
+        [own_grid, other]: [&Grid; 2],
         range: Range<usize>,
         bodies: &Bodies,
-        counts: impl Fn(u32) -> bool,
+        searches: impl Fn(usize, usize) -> bool,
+        counts: impl Fn([u32; 2]) -> bool,
     ) {
-        for own in &moving.levels {
+        for own in &own_grid.levels {
             let some = own.part_of(&range);
             if some.is_empty() {
                 continue;
             }
-            for level in still.levels.iter().filter(|level| level.number >= own.number) {
-                self.search_level(
-                    [moving, still],
-                    level,
-                    some.clone(),
-                    bodies,
-                    |_| 0,
-                    |[_, j]| counts(still.ids[j]),
-                );
-            }
-        }
-    }
-
-    /// Finds the pairs of the bodies in `range` that do not move, and `count`, with moving bodies of coarser levels. Two that do
-    /// not move never collide.
-    fn still_pairs(
-        &mut self,
-        still: &Grid,
-        moving: &Grid,
-        range: Range<usize>,
-        bodies: &Bodies,
-        counts: impl Fn(u32) -> bool,
-    ) {
-        for own in &still.levels {
-            let some = own.part_of(&range);
-            if some.is_empty() {
-                continue;
-            }
-            for level in moving.levels.iter().filter(|level| level.number > own.number) {
-                self.search_level(
-                    [still, moving],
-                    level,
-                    some.clone(),
-                    bodies,
-                    |_| 0,
-                    |[i, _]| counts(still.ids[i]),
-                );
+            for level in other.levels.iter().filter(|level| searches(own.number, level.number)) {
+                self.search_level([own_grid, other], level, some.clone(), bodies, |_| 0, &counts);
             }
         }
     }
@@ -390,7 +380,7 @@ impl Finder {
         range: Range<usize>,
         bodies: &Bodies,
         first: impl Fn(usize) -> usize,
-        counts: impl Fn([usize; 2]) -> bool,
+        counts: impl Fn([u32; 2]) -> bool,
     ) {
         let mut cells = None;
         for i in range {
@@ -404,7 +394,8 @@ impl Finder {
             let (found, crowded) = (&mut self.found, &mut self.crowded);
             for run in &self.runs {
                 other.overlaps(sphere, run.start.max(first(i))..run.end, |j| {
-                    !counts([i, j]) || add([own.ids[i], other.ids[j]], bodies, end, found, crowded)
+                    let pair = [own.ids[i], other.ids[j]];
+                    !counts(pair) || add(pair, bodies, end, found, crowded)
                 });
             }
             if self.is_full() {

@@ -314,7 +314,7 @@ pub struct StepReport {
     /// Number of bodies in the step.
     pub bodies: usize,
     /// Colliders whose components the step has read: all of them, or only those of bodies that are neither static nor
-    /// [dormant](Self::dormant), if nothing else has changed since the last step.
+    /// [dormant](Self::dormant) and static ones that have changed, if that is known.
     pub colliders_read: usize,
     /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, the GPU's own time on a GPU. Zero on a GPU
     /// without timestamp queries.

@@ -15,11 +15,13 @@ macro_rules! columns {
         }
 
         impl Bodies {
+            #[inline]
             pub(super) fn push_row(&mut self, row: Row) {
                 $(self.$name.push(row.$name);)*
             }
 
             #[cfg(feature = "bevy")]
+            #[inline]
             pub(super) fn set_row(&mut self, i: usize, row: Row) {
                 $(self.$name[i] = row.$name;)*
             }

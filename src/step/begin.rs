@@ -1,6 +1,5 @@
 //! The beginning of a step: sleeping bodies, the numbers of collision substeps, and speculative margins.
 
-use super::dormant::Lists;
 use super::memory::StepMemory;
 use super::scratch::StepScratch;
 use crate::solver::apply_impulses;
@@ -20,14 +19,7 @@ pub(super) fn begin(
 ) {
     scratch.age(results);
     if let Err(met) = scratch.dormant.begin(input, memory, results) {
-        let mut lists = Lists {
-            bodies: &mut input.bodies,
-            solver_bodies: &mut scratch.solver_bodies,
-            inactive: &mut scratch.inactive,
-            memory,
-            results,
-        };
-        scratch.dormant.rouse(met, 0, &mut lists);
+        scratch.rouse(met, 0, input, memory, results);
     }
     input.bodies.list_movers();
     scratch.schedule.set_all(1);
@@ -79,26 +71,21 @@ fn divide(
     scratch: &mut StepScratch,
     drift: Vec3,
 ) {
-    let StepScratch {
-        reach,
-        schedule,
-        solver_bodies,
-        inactive,
-        near_in_step,
-        dormant,
-        ..
-    } = scratch;
-    while let Err(met) = reach.search(input, solver_bodies, drift, near_in_step, dormant) {
-        let mut lists = Lists {
-            bodies: &mut input.bodies,
+    loop {
+        let StepScratch {
+            reach,
+            schedule,
             solver_bodies,
-            inactive,
-            memory,
-            results,
+            near_in_step,
+            dormant,
+            ..
+        } = scratch;
+        let Err(met) = reach.search(input, solver_bodies, drift, near_in_step, dormant) else {
+            schedule.set_each(reach.collision_substeps(&input.bodies));
+            return;
         };
-        dormant.rouse(met, 0, &mut lists);
+        scratch.rouse(met, 0, input, memory, results);
     }
-    schedule.set_each(reach.collision_substeps(&input.bodies));
 }
 
 /// Loads the bodies into the solver, restores their state from the last step, and returns the bounds of their speeds.

@@ -6,7 +6,6 @@ use super::StepState;
 use super::begin::begin;
 use super::cost::is_small;
 use super::crowds;
-use super::dormant::Lists;
 use super::hooks::{NoHooks, StepHooks, filter_pairs, modify_contacts};
 use super::memory::StepMemory;
 use super::order::{Part, Place, parts_of};
@@ -169,14 +168,7 @@ fn find_sphere_pairs(
         };
         let first_plane = bodies.len() as u32;
         let contacts = (number > 0).then(|| scratch.dormant.contacts_of(&met, first_plane));
-        let mut lists = Lists {
-            bodies: &mut input.bodies,
-            solver_bodies: &mut scratch.solver_bodies,
-            inactive: &mut scratch.inactive,
-            memory,
-            results,
-        };
-        let roused = scratch.dormant.rouse(met, number, &mut lists);
+        let roused = scratch.rouse(met, number, input, memory, results);
         let places = roused.iter().filter_map(|i| input.bodies.moving.binary_search(i).ok());
         scratch.schedule.add_roused(places, &input.bodies);
         scratch.schedule.begin(number, &config, &mut input.bodies);
@@ -339,15 +331,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
         }
         Part::Remember if config.response == Response::Contacts => {
             memory.save(input, &scratch.solver_bodies, &scratch.ccd);
-            let mut lists = Lists {
-                bodies: &mut input.bodies,
-                solver_bodies: &mut scratch.solver_bodies,
-                inactive: &mut scratch.inactive,
-                memory,
-                results,
-            };
-            let (planes, margins) = (&input.planes, scratch.margins);
-            scratch.dormant.settle(&config, planes, margins, &mut lists);
+            scratch.settle(input, memory, results);
         }
         Part::Remember => {
             memory.forget();

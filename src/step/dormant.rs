@@ -3,13 +3,14 @@
 //! Bodies whose spheres overlap form a group. If all of a group have slept through a whole step, and none of them is near a body
 //! that is awake or kinematic, the group becomes dormant: its bodies leave the list of [`Bodies::movers`] and wait in a grid of
 //! their own, and its contacts, manifolds and saved impulses wait here. A group is *roused* as soon as a body comes so near that
-//! a step must know the pair: its bodies take part again, asleep, as if they had never been dormant. What users write to a
-//! dormant body, and any change of what is static, rouses all.
+//! a step must know the pair, or something static near it changes: its bodies take part again, asleep, as if they had never been
+//! dormant. What users write to a dormant body, and static bodies that come or go, rouse all.
 //!
 //! No result depends on which bodies are dormant.
 
 use super::memory::StepMemory;
 use super::reach::Sweep;
+use super::scratch::StepScratch;
 use crate::broad_phase::cpu::SPHERE_SLACK;
 use crate::geometry::union_find::UnionFind;
 use crate::solver::{SolverBodies, WarmStart};
@@ -81,15 +82,53 @@ struct Candidates {
 pub(crate) struct Met(Vec<u32>);
 
 /// Those who are roused may meet others in turn. After so many rounds in a step all are roused: each round is a search.
-const MOST_ROUNDS: u32 = 3;
+const MAX_ROUNDS_OF_ROUSING: u32 = 3;
 
 /// What of a step changes when bodies become dormant or are roused.
-pub(crate) struct Lists<'a> {
-    pub bodies: &'a mut Bodies,
-    pub solver_bodies: &'a mut SolverBodies,
-    pub inactive: &'a mut InactiveBodies,
-    pub memory: &'a mut StepMemory,
-    pub results: &'a mut StepResults,
+struct Lists<'a> {
+    bodies: &'a mut Bodies,
+    solver_bodies: &'a mut SolverBodies,
+    inactive: &'a mut InactiveBodies,
+    memory: &'a mut StepMemory,
+    results: &'a mut StepResults,
+}
+
+impl StepScratch {
+    /// Rouses the groups of these bodies in collision substep `number`. Returns their colliders, ascending.
+    pub(super) fn rouse(
+        &mut self,
+        met: Met,
+        number: u32,
+        input: &mut StepInput,
+        memory: &mut StepMemory,
+        results: &mut StepResults,
+    ) -> Vec<u32> {
+        let (dormant, mut lists) = self.lists(&mut input.bodies, memory, results);
+        dormant.rouse(met, number, &mut lists)
+    }
+
+    /// Lets the groups become dormant, at the end of a step, that nothing has disturbed.
+    pub(super) fn settle(&mut self, input: &mut StepInput, memory: &mut StepMemory, results: &mut StepResults) {
+        let (config, margins) = (input.config, self.margins);
+        let (dormant, mut lists) = self.lists(&mut input.bodies, memory, results);
+        dormant.settle(&config, &input.planes, margins, &mut lists);
+    }
+
+    fn lists<'a>(
+        &'a mut self,
+        bodies: &'a mut Bodies,
+        memory: &'a mut StepMemory,
+        results: &'a mut StepResults,
+    ) -> (&'a mut Dormant, Lists<'a>) {
+        let lists = Lists {
+            bodies,
+            solver_bodies: &mut self.solver_bodies,
+            inactive: &mut self.inactive,
+            memory,
+            results,
+        };
+        (&mut self.dormant, lists)
+    }
 }
 
 impl Dormant {
@@ -186,7 +225,7 @@ impl Dormant {
     }
 
     /// Drops all that waits. No body is dormant any more.
-    pub fn forget(&mut self, bodies: &mut Bodies) {
+    fn forget(&mut self, bodies: &mut Bodies) {
         bodies.end_dormancy();
         self.name = Revision::UNKNOWN;
         self.groups.clear();
@@ -215,8 +254,7 @@ impl Dormant {
         Met::of(near.map(|(&first, _)| first).collect())
     }
 
-    /// Rouses the groups of these bodies in collision substep `number`. Returns their colliders, ascending.
-    pub fn rouse(&mut self, Met(met): Met, number: u32, lists: &mut Lists) -> Vec<u32> {
+    fn rouse(&mut self, Met(met): Met, number: u32, lists: &mut Lists) -> Vec<u32> {
         let Lists {
             bodies,
             solver_bodies,
@@ -225,7 +263,7 @@ impl Dormant {
             results,
         } = lists;
         self.rounds += 1;
-        let met = match self.rounds > MOST_ROUNDS {
+        let met = match self.rounds > MAX_ROUNDS_OF_ROUSING {
             true => self.groups.keys().copied().collect(),
             false => met,
         };
@@ -340,8 +378,7 @@ impl Dormant {
         }
     }
 
-    /// Lets the groups become dormant, at the end of a step, that nothing has disturbed.
-    pub fn settle(&mut self, config: &StepConfig, planes: &[Plane], margins: SpeculativeMargins, lists: &mut Lists) {
+    fn settle(&mut self, config: &StepConfig, planes: &[Plane], margins: SpeculativeMargins, lists: &mut Lists) {
         let own = &mut self.candidates;
         let has_drift = margins != SpeculativeMargins::Moving { drift: Vec3::ZERO };
         // What ends again and again costs more than it saves.

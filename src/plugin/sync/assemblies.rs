@@ -99,10 +99,8 @@ impl Step {
         self.collected.rows.end_fixed();
         self.state.input.bodies.end_static();
         self.add_candidates(fixed..self.candidates.len());
-        self.collected.rows.entities.finish();
-        let count = self.collected.entities.len();
-        let fixed = self.collected.entities.fixed();
-        self.collected.rows.body_counts = [fixed, count - fixed];
+        self.collected.rows.finish();
+        self.collected.rows.body_counts[0] = self.collected.entities.fixed();
         self.join_parts(true);
     }
 
@@ -126,9 +124,9 @@ impl Step {
         self.collected.rows.clone_from(&self.kept.all_rows);
         let is_new = same < count || again < self.candidates.len();
         if is_new {
-            self.collected.rows.truncate(same);
+            self.collected.rows.reopen(same);
             self.add_candidates(again..self.candidates.len());
-            self.collected.rows.entities.finish();
+            self.collected.rows.finish();
         }
         self.join_parts(is_new);
         if is_new {

@@ -43,11 +43,18 @@ impl Rows {
         self.kinds.end_fixed();
     }
 
-    /// Removes all from this number on, which are not static.
-    pub fn truncate(&mut self, count: usize) {
-        self.entities.truncate(count);
-        self.bodies.truncate(count);
-        self.kinds.truncate(count);
+    /// Opens what moves again, without those from this number on.
+    pub fn reopen(&mut self, count: usize) {
+        self.entities.reopen(count);
+        self.bodies.reopen(count);
+        self.kinds.reopen(count);
+    }
+
+    /// To be called after the last one.
+    pub fn finish(&mut self) {
+        self.entities.finish();
+        self.bodies.end_moving();
+        self.kinds.end_moving();
     }
 
     /// Takes the static ones of other rows.

@@ -121,6 +121,25 @@ impl Kept {
         !self.dormant.is_empty() && !self.has_news
     }
 
+    /// The bodies that a step reads which are not static, ascending.
+    pub fn to_read(&mut self, skips_dormant: bool) -> &mut Vec<Entity> {
+        match skips_dormant {
+            true => &mut self.awake,
+            false => &mut self.movers,
+        }
+    }
+
+    /// Removes bodies that are no more, and that a step would have read.
+    pub fn remove_movers(&mut self, gone: &[Entity]) {
+        for list in [&mut self.movers, &mut self.awake] {
+            for entity in gone {
+                if let Ok(at) = list.binary_search(entity) {
+                    list.remove(at);
+                }
+            }
+        }
+    }
+
     /// Number of bodies that are not static, of which `read` were read.
     pub fn mover_count(&self, read: usize, skips_dormant: bool) -> usize {
         if skips_dormant { read + self.dormant.len() } else { read }
@@ -250,5 +269,50 @@ impl Kept {
         if let Err(at) = self.awake.binary_search(&entity) {
             self.awake.insert(at, entity);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::asset::CollisionMesh;
+    use crate::geometry::shapes;
+    use crate::plugin::components::{MeshCollider, PlaneCollider};
+    use crate::plugin::sync::Step;
+    use crate::plugin::{FaceoffHeadlessPlugins, FaceoffStep};
+    use crate::types::body::RigidBody;
+    use bevy::prelude::*;
+
+    #[test]
+    fn what_comes_and_goes_beside_dormant_bodies_leaves_nothing_behind() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
+        app.finish();
+        app.cleanup();
+        let world = app.world_mut();
+        let mut meshes = world.resource_mut::<Assets<CollisionMesh>>();
+        let cube = MeshCollider(meshes.add(CollisionMesh::new(&shapes::cube(1.0))));
+        world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+        for i in 0..80 {
+            let place = Transform::from_xyz(3.0 * i as f32, 0.51, 0.0);
+            world.spawn((RigidBody::Dynamic, cube.clone(), place));
+        }
+        for _ in 0..100 {
+            world.run_schedule(FaceoffStep);
+        }
+        assert!(world.resource::<Step>().kept.has_dormant());
+        for _ in 0..100 {
+            let place = Transform::from_xyz(0.0, 90.0, 0.0);
+            let last = world.spawn((RigidBody::Dynamic, cube.clone(), place)).id();
+            world.run_schedule(FaceoffStep);
+            world.despawn(last);
+        }
+        let kept = &world.resource::<Step>().kept;
+        assert!(kept.has_dormant());
+        assert!(
+            kept.movers.len() <= 81 && kept.awake.len() <= 1,
+            "{} {}",
+            kept.movers.len(),
+            kept.awake.len()
+        );
     }
 }

@@ -127,14 +127,16 @@ impl Numbers {
         self.by_entity[0] = Arc::clone(&other.by_entity[0]);
     }
 
-    /// Removes all from this number on; the part that rests is shorter.
-    pub fn truncate(&mut self, count: usize) {
-        self.entities.truncate(count);
-        self.keys.truncate(count);
+    /// Opens the part that moves again, without those from this number on.
+    pub fn reopen(&mut self, count: usize) {
+        self.entities.reopen(count);
+        self.keys.reopen(count);
     }
 
     /// To be called after the last one.
     pub fn finish(&mut self) {
+        self.entities.end_moving();
+        self.keys.end_moving();
         self.index(1);
     }
 

@@ -224,12 +224,8 @@ impl Reader<'_, '_> {
         }
         let kept = &mut self.step.kept;
         let skips_dormant = kept.may_skip_dormant();
-        let list = if skips_dormant {
-            &mut kept.awake
-        } else {
-            &mut kept.movers
-        };
-        let mut movers = std::mem::take(list);
+        let movers = std::mem::take(kept.to_read(skips_dormant));
+        let mut gone = Vec::new();
         let mut others = std::mem::take(&mut self.step.others);
         others.clear();
         self.step
@@ -237,30 +233,27 @@ impl Reader<'_, '_> {
             .retain(|assembly| assembly.values.kind == RigidBody::Static);
         self.step.kept_assemblies = self.step.assemblies.len();
         let mut is_same = true;
-        movers.retain(|&entity| {
+        for &entity in &movers {
             let Ok(mut body) = bodies.get_mut(entity) else {
                 // It may be a static collider now.
                 is_same &= !hierarchy.nodes.contains(entity);
-                return false;
+                gone.push(entity);
+                continue;
             };
             is_same &= body.kind.is_some_and(|&kind| kind != RigidBody::Static);
             // It is counted for how long it has no collider.
             is_same &= body.collider.is_some() || self.step.children.are_below(entity);
             self.add(&mut body, &mut others);
-            true
-        });
-        let kept = &self.step.kept;
-        is_same &= counts[0] == kept.counts[0] + kept.mover_count(movers.len(), skips_dormant);
+        }
+        let read = movers.len() - gone.len();
+        let kept = &mut self.step.kept;
+        *kept.to_read(skips_dormant) = movers;
+        kept.remove_movers(&gone);
+        is_same &= counts[0] == kept.counts[0] + kept.mover_count(read, skips_dormant);
         if is_same {
             self.others(bodies, &mut others, hierarchy);
             is_same = self.moving_children(hierarchy, counts[1]);
         }
-        let kept = &mut self.step.kept;
-        *(if skips_dormant {
-            &mut kept.awake
-        } else {
-            &mut kept.movers
-        }) = movers;
         self.step.others = others;
         is_same &= !self.misses_mesh;
         if is_same {

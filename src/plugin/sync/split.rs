@@ -8,6 +8,8 @@ use std::sync::Arc;
 pub(crate) struct Split<T> {
     fixed: Arc<Vec<T>>,
     moving: Arc<Vec<T>>,
+    /// What has been pushed and belongs to neither yet.
+    open: Vec<T>,
 }
 
 impl<T> Default for Split<T> {
@@ -15,6 +17,7 @@ impl<T> Default for Split<T> {
         Self {
             fixed: Arc::default(),
             moving: Arc::default(),
+            open: Vec::new(),
         }
     }
 }
@@ -24,31 +27,35 @@ impl<T: Clone> Split<T> {
     pub fn clear(&mut self) {
         empty(&mut self.fixed);
         empty(&mut self.moving);
-        // The next elements go to the larger memory.
-        if self.fixed.capacity() > self.moving.capacity() {
-            std::mem::swap(&mut self.fixed, &mut self.moving);
-        }
+        self.open.clear();
     }
 
     /// What has been pushed so far is the part that rests.
     pub fn end_fixed(&mut self) {
-        std::mem::swap(&mut self.fixed, &mut self.moving);
-        empty(&mut self.moving);
+        close(&mut self.open, &mut self.fixed);
+    }
+
+    /// What has been pushed since then is the part that moves. Until this call it is not there.
+    pub fn end_moving(&mut self) {
+        close(&mut self.open, &mut self.moving);
     }
 
     /// Takes the part that rests from another list, and has none that moves.
     pub fn begin_moving(&mut self, other: &Self) {
         self.fixed = Arc::clone(&other.fixed);
         empty(&mut self.moving);
+        self.open.clear();
     }
 
     pub fn push(&mut self, element: T) {
-        Arc::make_mut(&mut self.moving).push(element);
+        self.open.push(element);
     }
 
-    /// Removes all elements from this index on, which are of what moves.
-    pub fn truncate(&mut self, len: usize) {
-        Arc::make_mut(&mut self.moving).truncate(len.saturating_sub(self.fixed.len()));
+    /// Opens the part that moves again, without its elements from this index of the whole list on.
+    pub fn reopen(&mut self, len: usize) {
+        let left = len.saturating_sub(self.fixed.len());
+        self.open.clear();
+        self.open.extend_from_slice(&self.moving[..left]);
     }
 
     pub fn len(&self) -> usize {
@@ -84,6 +91,15 @@ impl<T: Clone> Split<T> {
     }
 }
 
+/// Makes a list of what has been pushed. It keeps the memory of both if no other has it.
+fn close<T>(open: &mut Vec<T>, list: &mut Arc<Vec<T>>) {
+    match Arc::get_mut(list) {
+        Some(own) => std::mem::swap(own, open),
+        None => *list = Arc::new(std::mem::take(open)),
+    }
+    open.clear();
+}
+
 /// Empties a list, and keeps its memory if no other has it.
 fn empty<T>(list: &mut Arc<Vec<T>>) {
     match Arc::get_mut(list) {
@@ -113,13 +129,21 @@ mod tests {
         [1, 2].into_iter().for_each(|x| one.push(x));
         one.end_fixed();
         one.push(3);
+        one.end_moving();
         let mut other = Split::default();
         other.push(7);
         other.begin_moving(&one);
         assert_eq!(other.iter().copied().collect::<Vec<_>>(), [1, 2]);
         [4, 5].into_iter().for_each(|x| other.push(x));
+        other.end_moving();
         assert_eq!((other[1], other[3], other.len(), other.get(4)), (2, 5, 4, None));
         assert_eq!(one.iter().copied().collect::<Vec<_>>(), [1, 2, 3]);
+        let mut third = other.clone();
+        third.reopen(3);
+        third.push(6);
+        third.end_moving();
+        assert_eq!(third.iter().copied().collect::<Vec<_>>(), [1, 2, 4, 6]);
+        assert_eq!(other.iter().copied().collect::<Vec<_>>(), [1, 2, 4, 5]);
         one.clear();
         assert_eq!((one.len(), other.len()), (0, 4));
     }
