@@ -103,13 +103,13 @@
 //! | used by many games, for years | **no**: not released yet | yes | yes | |
 //! | guides | these, whose programs are compiled and run | in its documentation: [lib.rs][avian3d lib.rs] | a site of its own, rapier.rs | `layers/guide` |
 //! | programs to start from | in `examples`, each also without a window | 22 in three dimensions: [examples][avian3d examples] | 21 in three dimensions: [examples][bevy_rapier3d examples] | `--example hello`, `--example pour`, `--example tori_in_a_box`, `--example asteroids`, `--example falling_knots` |
-//! | a table of versions, a changelog | yes, and a policy on versions of Rust and Bevy | a table: [README][avian3d README] | in its repository | `CONTRIBUTING.md`, `CHANGELOG.md`, `layers/versions` |
+//! | a table of versions, a changelog | yes, and a policy on versions of Rust and Bevy | a table: [README][avian3d README] | in its repository | `CONTRIBUTING.md`, `docs/RELEASING.md`, `CHANGELOG.md`, `layers/versions` |
 //!
 //! # Speed
 //!
 //! `benches/peers` runs avian3d, rapier3d and parry3d on the same scenes, and [BENCHMARKS.md] has the figures. Concave meshes
-//! are faster here and sink into each other less. Convex parts are faster there: knots in a bin take 2.3 to 3.5
-//! times as long here as with convex parts in rapier3d, and a stack of cubes seven times. Those figures are of rapier3d
+//! are faster here and sink into each other less. Convex parts are faster there: knots in a bin take 1.7 to 3.1
+//! times as long here as with convex parts in rapier3d, and a stack of cubes four times. These figures are of rapier3d
 //! 0.36.1, which is newer than the one in bevy_rapier 0.36.
 //!
 //! [BENCHMARKS.md]: https://docs.rs/crate/bevy_faceoff/latest/source/BENCHMARKS.md

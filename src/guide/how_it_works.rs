@@ -283,4 +283,5 @@
 //! # Where it is in the sources
 //!
 //! `src/step/mod.rs` describes the whole step, and `src/step/order.rs` is the same as a list. A stage is a folder:
-//! `mod.rs` says what it does, `cpu.rs` does it, `gpu.rs` names its kernels in `shaders`. CONTRIBUTING.md has the map.
+//! `mod.rs` says what it does, `cpu.rs` does it, `gpu.rs` names its kernels in `shaders`.
+//! `docs/ARCHITECTURE.md` has the map of the code.
