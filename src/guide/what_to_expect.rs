@@ -3,14 +3,14 @@
 //! # Defaults
 //!
 //! A body has a density of 1 kg/m^3 ([`Density(600.0)`](crate::plugin::components::Density) is wood) and a friction of
-//! 0.5, and does not bounce. Bodies move in `FixedPostUpdate`, 64 times a second.
+//! 0.5, and does not bounce. Bodies move in `FixedPostUpdate`, 64 times a second by default.
 //!
 //! # Response
 //!
 //! [`Response::Contacts`], the default, computes contact points between all surfaces that are near each other, and
 //! solves them over 8 substeps a step. Bodies at rest are at most 0.05 % of their diameter apart, so they have contact
-//! points, and hardly intersect. Bodies that overlap when they appear are pushed apart at up to 3 m/s, or at up to 1
-//! m/s if they are deep in each other. They sleep once they are apart.
+//! points, and hardly intersect. Bodies that overlap when they appear are pushed apart at up to 3 m/s. If they are deep
+//! in each other, it is at up to 1 m/s. They sleep once they are apart.
 //!
 //! Contacts are solved until they have converged, or for at most [`SolverSettings::max_iterations`] passes; large
 //! piles get fewer passes. So a heavy body rests on a light one, and towers of small cubes stand.
@@ -36,8 +36,8 @@
 //! | `Time<Virtual>` | the whole game, including the steps: pause, speed |
 //! | `Time<Fixed>` | the length of a step |
 //!
-//! `run_schedule(FaceoffStep)` runs a step of that length at once, even while a clock is paused: for tests, tools and
-//! rollback. In a test call `app.finish()` before the first of them.
+//! `run_schedule(FaceoffStep)` runs a step at once, even while a clock is paused: for tests, tools and rollback. Its
+//! length is that of `Time<Fixed>`. In a test call `app.finish()` before the first such step.
 //!
 //! # Determinism
 //!
