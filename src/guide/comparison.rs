@@ -7,8 +7,9 @@
 //! What the tables say about the other two was read in the sources of avian3d 0.7.0 with parry3d 0.27.0, and of
 //! bevy_rapier3d 0.36.0, which uses rapier3d 0.35.0-glamx0.2 and parry3d 0.30.2-glamx0.2-b. Links lead to the place in
 //! these sources. "no" means that neither sources nor documentation have it. The last column names what shows the row in
-//! this repository: a file of `tests` without its ending, or a program, as `--example chain`; its command is in the
-//! README. [`from_avian`](super::from_avian) and [`from_bevy_rapier`](super::from_bevy_rapier) have the names of things.
+//! this repository: a file of `tests` without its ending, or a program, as `--example chain`; its command is in
+//! `examples/README.md`. [`from_avian`](super::from_avian) and [`from_bevy_rapier`](super::from_bevy_rapier) have the
+//! names of things.
 //!
 //! # Shapes and contacts
 //!
