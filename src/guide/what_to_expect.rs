@@ -43,7 +43,7 @@
 //!
 //! On the same machine the same build gives the same results to the bit, on any number of threads, if the bodies are
 //! spawned in the same order, or if each collider and plane has a [`StableKey`]. Pairs and points are processed in the
-//! order of keys, or else of entities.
+//! order of keys, or else of spawning.
 //!
 //! In another order, on the CPU instead of a GPU, or on another GPU, results differ in the last bit, and scenes in
 //! which bodies collide then diverge. [`choose_settings`](super::choose_settings#the-same-bits) tells what two
