@@ -34,7 +34,7 @@
 //! | to | see |
 //! |---|---|
 //! | build a game or a headless app | [`prelude`], [`plugin`] |
-//! | choose settings, come from another engine, understand a surprise | [`guide`] |
+//! | look up what to use, choose settings, come from another engine, understand a surprise | [`guide`] |
 //! | make triangle meshes | [`geometry`] |
 //! | bake them, and choose how | [`projection`] |
 //! | load and save baked meshes, without an app | [`asset`] |
@@ -51,12 +51,28 @@
 //!
 //! # Features
 //!
-//! * `bevy`, on by default: [`plugin`] and [`prelude`]. Without it no crate of Bevy is built.
-//! * `gpu`, on by default: the stages on a GPU, through wgpu.
-//! * `bevy_render`, `bevy_mesh`, `bevy_gltf`, `bevy_picking`, `bevy_scene`: what works with these parts of Bevy.
-//! * `debug_gizmos`, `debug_panel`: tools for development, on the screen.
-//! * `interpolation`: motion that looks smooth at any frame rate.
-//! * `cli`: the command line `faceoff`.
+//! | feature | adds |
+//! |---|---|
+//! | `bevy`, on by default | [`plugin`] and [`prelude`]: components, resources, loader, asset processor. Without it no crate of Bevy is built |
+//! | `gpu`, on by default | the stages on a GPU, through wgpu; without it nothing of wgpu is built |
+//! | `bevy_render` | the stages on the device of Bevy's renderer, if the app has one |
+//! | `bevy_mesh` | colliders from Bevy's meshes, and Bevy's meshes from colliders |
+//! | `bevy_scene` | `bsn!` of Bevy, for programs that leave out its own feature |
+//! | `bevy_gltf` | colliders for the scenes of Bevy's glTF loader |
+//! | `bevy_picking` | Bevy's pointer events on colliders |
+//! | `interpolation` | motion that looks smooth at any frame rate: `Transform`s between two steps, by `bevy_transform_interpolation` |
+//! | `debug_gizmos` | `plugin::debug`: shapes, contacts and more, drawn into the scene |
+//! | `debug_panel` | `plugin::panel`: times, counts and rejected bodies on the screen |
+//! | `cli` | the command line `faceoff` |
+//! | `window` | parts of Bevy for the examples of this repository; of no use to a game |
+//!
+//! The plugin without GPU code, or the core without an engine (geometry, projection, file formats, queries, and the
+//! step on plain arrays):
+//!
+//! ```toml
+//! bevy_faceoff = { path = "../bevy_faceoff", default-features = false, features = ["bevy"] }
+//! bevy_faceoff = { path = "../bevy_faceoff", default-features = false }
+//! ```
 
 pub mod asset;
 pub mod geometry;
@@ -140,7 +156,7 @@ pub mod prelude {
     pub use crate::types::stage::Stage;
 }
 
-/// Runs the programs of the README as tests.
+/// Runs the program of the README as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

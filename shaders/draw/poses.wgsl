@@ -12,7 +12,7 @@ struct FaceoffBefore {
     others: array<vec4<u32>, 8>,
 }
 
-// The same collider after the step. `Poses::current` is an array of these.
+// A collider after the last step. `Poses::current` is an array of these.
 struct FaceoffAfter {
     position: vec3<f32>,
     asleep: u32,

@@ -66,7 +66,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         put(setup.first_deep + k, LEAST_WORD, t::NOTHING);
     }
     sync();
-    // Of equally shallow ones the first.
+    // The first of equally shallow features.
     find_least(setup, thread, false);
     var deep_index = thread;
     while deep_index < setup.deep_count {
@@ -134,7 +134,7 @@ fn admit(setup: t::PairSetup, at: u32, flag: u32) {
     }
 }
 
-// Of the overlapping features of each vertex keeps those of the least separation bits, or the first.
+// Keeps the overlapping features of each vertex that have the least separation bits, or the first one.
 fn find_least(setup: t::PairSetup, thread: u32, by_separation: bool) {
     for (var k = thread; k < setup.deep_count; k += 64u) {
         let at = setup.first_deep + k;

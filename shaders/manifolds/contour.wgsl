@@ -24,7 +24,7 @@ const MAX_LOOSE_ENDS: u32 = 1024u;
 
 var<workgroup> loose: atomic<u32>;
 var<workgroup> changed: array<atomic<u32>, 3>;
-// Of 64 segments: numbers of segments and of contours before; then labels.
+// Labels of 64 segments.
 var<workgroup> labels: array<u32, 64>;
 var<workgroup> best_reach: array<vec4<f32>, 64>;
 var<workgroup> best_end: array<vec4<u32>, 64>;

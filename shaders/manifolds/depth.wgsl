@@ -14,11 +14,11 @@
 @group(0) @binding(3) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(4) var<storage, read_write> patches: array<t::Patch>;
 
-// Of the threads' patches that are searched: the window, and their number.
+// The window of each thread's searched patches, and the number of all searched patches.
 var<workgroup> lows: array<vec3<f32>, 64>;
 var<workgroup> highs: array<vec3<f32>, 64>;
 var<workgroup> searched: atomic<u32>;
-// The last of these patches.
+// The last searched patch.
 var<workgroup> last: atomic<u32>;
 
 @compute @workgroup_size(64)

@@ -29,12 +29,12 @@ var<workgroup> base: u32;
 struct LowVertex {
     // Relative to the centre of mass, in the world's axes.
     anchor: vec3<f32>,
-    // That of the smooth surface for which it stands.
+    // Separation of the smooth surface for which the vertex stands.
     separation: f32,
     // The anchor in the mesh's axes. Vertices of a cube are exactly as far from each other there as others, so that ties
     // are decided by their order.
     position: vec3<f32>,
-    // Of the surface in the direction in which it rolls; 0 at a corner.
+    // Radius of curvature of the surface in the direction of rolling; 0 at a corner.
     curvature_radius: f32,
     // It stands for a smooth surface that touches elsewhere.
     elsewhere: bool,

@@ -219,7 +219,7 @@ fn baked_normal(side: Side, number: u32) -> vec3<f32> {
     return side.rotation * direction(vector(record(side, number) + 9u) / side.scale);
 }
 
-// The same; for two-sided triangles the side of the other body.
+// `baked_normal`, but towards the other body for two-sided triangles.
 fn normal_of(side: Side, number: u32) -> vec3<f32> {
     let normal = baked_normal(side, number);
     if !side.some_two_sided {

@@ -14,7 +14,7 @@ fn carry_over(body: t::Body, last: t::Moved) -> t::Body {
     return next;
 }
 
-// The same for a compound.
+// A compound with what carries over from the last step.
 fn carry_over_compound(compound: t::Compound, last: t::Moved) -> t::Compound {
     let carried = compound.carried;
     var next = compound;

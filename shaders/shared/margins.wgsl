@@ -33,7 +33,7 @@ fn sway(step: t::Step, body: t::Body, time: f32) -> f32 {
     return sway_at(step, body, time, body.radius);
 }
 
-// The same for the surface within a distance of `arm` metres of the axis of rotation.
+// `sway` of the surface within `arm` metres of the axis of rotation.
 fn sway_at(step: t::Step, body: t::Body, time: f32, arm: f32) -> f32 {
     let kind = body.flags & t::KIND_MASK;
     if kind == t::STATIC {

@@ -73,9 +73,10 @@ struct Body {
     // Its number in the last step, and what carries over from it; see the constants.
     source: u32,
     carried: u32,
-    // Of the sphere in which the broad phase searches for other bodies: it follows from velocity, radius and margin.
+    // Radius of the sphere in which the broad phase searches for other bodies; it follows from velocity, radius and
+    // margin.
     speculative_radius: f32,
-    // Of the thinnest part, metres.
+    // Thickness of the thinnest part, metres.
     thickness: f32,
     // Not 0: its pairs with other inactive bodies keep the contact points of the last detection, where its number was
     // `source`. The constants tell why.
@@ -111,7 +112,7 @@ struct Compound {
     center: vec3<f32>,
     // Distance of its farthest point from the centre of mass.
     radius: f32,
-    // Of the centre of mass.
+    // Velocity of the centre of mass.
     linear_velocity: vec3<f32>,
     // The range of its colliders among the parts.
     first_part: u32,
@@ -212,19 +213,19 @@ struct Sweep {
 // For the first body of a group: its solid bodies, and what is static and in their way. Velocities and coordinates are
 // integers in the order of the floats (`ascending`), 0 for none.
 struct Meeting {
-    // Along each axis.
+    // The largest velocity along each axis.
     highest: array<atomic<u32>, 3>,
     // Not 0: the group has two bodies, or one and something static.
     exists: atomic<u32>,
-    // Of the negated velocities.
+    // The largest negated velocity along each axis.
     highest_negated: array<atomic<u32>, 3>,
     // The largest speed of a surface relative to its body's centre of mass, as bits.
     spin: atomic<u32>,
-    // The box that its bodies sweep over.
+    // Largest coordinates of the box that its bodies sweep over.
     high: array<atomic<u32>, 3>,
     // Thickness of the thinnest body, as bits.
     thinnest: atomic<u32>,
-    // Of the negated coordinates.
+    // Largest negated coordinates of that box.
     high_negated: array<atomic<u32>, 3>,
     // The number of collision substeps that it needs.
     substeps: atomic<u32>,
@@ -295,8 +296,8 @@ struct PairResult {
     padding: u32,
     a: u32,
     b: u32,
-    // Of a pair of large meshes: its range among the pieces. It is empty if the pair is not split, and starts at `NOTHING`
-    // if the pieces do not fit.
+    // The range of a pair of large meshes among the pieces. It is empty if the pair is not split, and starts at
+    // `NOTHING` if the pieces do not fit.
     first_piece: u32,
     pieces: u32,
 }
@@ -433,7 +434,7 @@ struct PairSetup {
     // 0: there is no such pair.
     valid: u32,
     unit: f32,
-    // Of the first body.
+    // Rotation of the first body.
     rotation: vec4<f32>,
     // Columns of the rotation from b's axes to a's.
     x: vec3<f32>,
@@ -563,7 +564,7 @@ struct Patch {
     node_radius: f32,
     // The segments that start at the extremes of the contour in four directions.
     extremes: vec4<u32>,
-    // Of the contour.
+    // Length of the contour.
     length: f32,
     // Triangles of its first segment.
     a: u32,

@@ -20,7 +20,7 @@ struct PairVelocities {
     b: s::Velocity,
 }
 
-// Of these bodies.
+// Velocities of these bodies.
 fn velocities_of(a: u32, b: u32) -> PairVelocities {
     return PairVelocities(
         body_states[a].mass.inverse_mass,
@@ -30,7 +30,7 @@ fn velocities_of(a: u32, b: u32) -> PairVelocities {
     );
 }
 
-// Those before the impulses of this substep.
+// Velocities of these bodies before the impulses of this substep.
 fn initial_velocities_of(a: u32, b: u32) -> PairVelocities {
     return PairVelocities(
         body_states[a].mass.inverse_mass,

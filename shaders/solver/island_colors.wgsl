@@ -279,7 +279,7 @@ fn sort(thread: u32, island: vec2<u32>, colors: u32) {
     storageBarrier();
 }
 
-// Of the pairs of each body the first one owns it. The velocity of a body has one of two places for each pair.
+// The first pair of each body owns it. Each pair has two places for velocities of bodies that it owns.
 fn choose_owners(thread: u32, island: vec2<u32>) {
     for (var k = island.x + thread; k < island.y; k += THREADS) {
         set_claims(solver_pairs[island_pairs[k].pair], UNCLAIMED);

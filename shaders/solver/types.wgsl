@@ -176,7 +176,7 @@ struct Velocity {
 struct Mass {
     // Along each world axis, 1/kg.
     inverse_mass: vec3<f32>,
-    // Those of `BodyConstants`.
+    // The flags of `BodyConstants`.
     flags: u32,
     // In world axes, 1/(kg m^2).
     inverse_inertia: vec3<f32>,
@@ -391,7 +391,7 @@ struct IslandPair {
     pair: u32,
     // See the constants below.
     flags: u32,
-    // Of the n-th pair of an island: one more than the last pair of colour n.
+    // In the n-th pair of an island: one more than the last pair of colour n.
     color_end: u32,
     // In a small island, where the velocities of the first and of the second body are in workgroup memory, in 16 bits each.
     places: u32,

@@ -13,7 +13,7 @@ const PLACE_ERROR: f32 = 4.0e-6;
 // A body at the start of a step, in single precision.
 struct Start {
     motion: t::Moved,
-    // That after the last step.
+    // Motion after the last step.
     last: t::Moved,
     carried: u32,
     kind: u32,

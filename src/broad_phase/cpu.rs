@@ -27,12 +27,12 @@ pub(crate) struct Scratch {
     static_grid: Grid,
     /// The state of the static bodies in their grid, and the margin of their radii.
     in_grid: (Revision, Option<f32>),
-    /// Those of them that have changed since, in the state with this name.
+    /// Static bodies that have changed since the grid of static bodies was filled, in the state with this name.
     loose_grid: Grid,
     in_loose_grid: (Revision, Option<f32>),
     /// Dormant bodies. Some may have been roused since it was filled.
     dormant_grid: Grid,
-    /// The set with which it was filled.
+    /// The set with which the dormant grid was filled.
     in_dormant_grid: Revision,
     members: Vec<u32>,
     found: Vec<Finder>,
@@ -225,7 +225,7 @@ fn search(
         if task < tasks {
             let own = range(task, moving);
             finder.moving_pairs(moving, own.clone(), bodies);
-            // Those of their own and coarser levels; finer ones search for them.
+            // Moving bodies search their own and coarser levels; bodies of finer levels search for them.
             for (still, counts) in still {
                 finder.pairs_between(
                     [moving, still],

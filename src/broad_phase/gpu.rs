@@ -23,7 +23,7 @@ const ENTRIES: Kernel = kernel!("broad_phase/entries");
 pub const COUNT: Kernel = kernel!("broad_phase/pairs");
 /// Writes the pairs.
 const EMIT: Kernel = kernel!("broad_phase/pairs", "EMIT");
-/// The same two for pairs that can meet within a step.
+/// Count and write the pairs that can meet within a step.
 const COUNT_SWEPT: Kernel = kernel!("broad_phase/pairs", "SWEPT");
 const EMIT_SWEPT: Kernel = kernel!("broad_phase/pairs", "EMIT SWEPT");
 /// Computes workgroup counts for the following stages.

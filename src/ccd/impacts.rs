@@ -62,7 +62,7 @@ struct Upcoming {
 }
 
 impl Ord for Upcoming {
-    /// Of pairs with the same time the first comes first.
+    /// Pairs are ordered by their time, and at equal times by their number.
     fn cmp(&self, other: &Self) -> Ordering {
         self.time.total_cmp(&other.time).then(self.pair.cmp(&other.pair))
     }
@@ -239,7 +239,7 @@ pub fn find_impacts(
                     RigidBody::Dynamic => 2,
                 };
                 let [one, other] = groups.map(mobility);
-                // Of two of the same kind the one yields that is continuous.
+                // The more mobile kind yields. Of two bodies of the same kind the continuous one yields.
                 let last = other > one || (other == one && !is_continuous(pair[0]));
                 let (yielding, carrier) = (pair[usize::from(last)], groups[usize::from(!last)]);
                 ignored[at] = true;

@@ -47,7 +47,7 @@ pub(super) struct Ground<'a, F> {
 }
 
 impl Motions {
-    /// Those of all bodies, each of which is a group by itself.
+    /// Sets the motions of all bodies, each of which is a group by itself.
     pub fn begin(&mut self, motions: impl Iterator<Item = Motion>) {
         let Self {
             all,

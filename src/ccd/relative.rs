@@ -40,8 +40,8 @@ impl Relative {
         }
     }
 
-    /// The same in single precision, with lengths multiplied by `unit`. `size` is the sum of the bounding radii and
-    /// `target_distance` the distance at which bodies are stopped, both in metres.
+    /// This pose and motion in single precision, with lengths multiplied by `unit`. `size` is the sum of the bounding
+    /// radii and `target_distance` the distance at which bodies are stopped, both in metres.
     pub fn rounded(&self, unit: f32, size: f64, target_distance: f64) -> Rounded {
         let scaled = |v: DVec3| (v * f64::from(unit)).as_vec3();
         let rotation = self.rotation.as_mat3();

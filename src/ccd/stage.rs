@@ -117,7 +117,7 @@ impl Ccd {
         if solid_pairs.is_empty() && sensor_pairs.is_empty() {
             return;
         }
-        // Those of bodies in no pair are not needed, and keep what is there.
+        // Sweeps of bodies in no pair are not needed and keep their old values.
         sweeps.resize(bodies.len(), Sweep::default());
         members.clear();
         members.extend(solid_pairs.iter().chain(&*sensor_pairs).flatten().map(|&i| body_of(i)));

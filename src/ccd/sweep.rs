@@ -55,7 +55,7 @@ impl Sweep {
         }
     }
 
-    /// The same motion for axes that are turned by `rotation` in the body.
+    /// This motion for axes that are turned by `rotation` in the body.
     pub(super) fn turned(&self, rotation: DQuat) -> Self {
         let before = Pose {
             rotation: (self.before.rotation * rotation).normalize(),

@@ -70,7 +70,7 @@ pub fn first_touch(
     })
 }
 
-/// The same as [`time_of_impact`], with the distinction whether the bodies are close at the start.
+/// [`time_of_impact`], with the distinction whether the bodies are close at the start.
 pub(super) fn advance(
     bodies: &Bodies,
     meshes: &MeshArena,

@@ -97,7 +97,8 @@ fn closing_time(gap: f64, speed: f64) -> f64 {
     }
 }
 
-/// The same at constant acceleration: the first root of `acceleration t^2 / 2 + speed t - gap`, without cancellation.
+/// The time in which a gap closes at a constant acceleration: the first root of `acceleration t^2 / 2 + speed t - gap`,
+/// without cancellation.
 fn accelerated_closing_time(gap: f64, speed: f64, acceleration: f64) -> f64 {
     if gap <= 0.0 {
         return 0.0;

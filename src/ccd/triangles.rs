@@ -18,7 +18,7 @@ pub struct Triangles<S: Simd> {
     corners: [Points<S>; 3],
     min: Points<S>,
     max: Points<S>,
-    /// Of length one, or shorter for degenerate triangles: a vector of length zero gives no bound.
+    /// A unit vector, or a shorter one for degenerate triangles: a vector of length zero gives no bound.
     normal: Points<S>,
     /// Extent along the normal. It is not 0, because the normals of slivers are inaccurate.
     along_normal: Range<S>,

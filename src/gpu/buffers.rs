@@ -191,7 +191,7 @@ buffers! {
         compounds: ARRAY Compound, capacity.compounds, "compounds";
         /// As the host sends them.
         sent_compounds: ARRAY Compound, capacity.compounds, "compounds as sent";
-        /// Those of a compound follow each other.
+        /// Colliders of compounds. Those of one compound are contiguous.
         parts: ARRAY Part, capacity.parts, "colliders of compounds";
         planes: ARRAY Plane, capacity.planes, "half-spaces";
         meshes: ARRAY Mesh, capacity.meshes, "meshes";

@@ -37,7 +37,7 @@ impl<'g> Commands<'g> {
         self.write_at(buffer, 0, bytes);
     }
 
-    /// The same, if no kernel writes the buffer: only what has changed since the last time is written.
+    /// Writes only what has changed since the last time to a buffer that no kernel writes.
     pub fn write_changes(&mut self, known: &mut Known, buffer: &Buffer, bytes: &[u8]) {
         for range in known.change(buffer, bytes) {
             let changed = &bytes[range.clone()];
@@ -164,7 +164,7 @@ impl Pass<'_> {
         self.work.dispatches += 1;
     }
 
-    /// The same with three words of a buffer, from this one on.
+    /// Calls the current kernel in as many workgroups as three words of a buffer say, from `first_word` on.
     pub fn dispatch_indirect(&mut self, arguments: &Buffer, first_word: u32) {
         self.pass
             .dispatch_workgroups_indirect(arguments, 4 * u64::from(first_word));

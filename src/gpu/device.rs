@@ -23,9 +23,9 @@ pub struct Gpu {
     pub info: AdapterInfo,
     /// Whether wgpu checks the arguments of indirect dispatches on the device, with a dispatch before each.
     pub(super) validates_indirect: bool,
-    /// Each is compiled once, by the first that needs it.
+    /// Each kernel is compiled once, when it is first needed.
     pub(super) kernels: Kernels,
-    /// The same on disk.
+    /// The compiled kernels on disk.
     pub(super) stored: Option<StoredKernels>,
     /// For benches.
     pub(super) kernel_timer: Option<Arc<KernelTimer>>,

@@ -25,7 +25,7 @@ pub struct KernelTimer {
 }
 
 impl Gpu {
-    /// The same device, which times each kernel from now on; see [`Gpu::kernel_times`].
+    /// This device, which times each kernel from now on; see [`Gpu::kernel_times`].
     ///
     /// # Errors
     /// If the device has no time stamps within passes.

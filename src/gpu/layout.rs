@@ -402,7 +402,7 @@ constants! {
     u32 CONTACTS_SKIPPED = 6;
     /// So many counters tell the host what the results are.
     u32 CONTACT_RESULTS = 8;
-    // Of the batch of pairs at hand; zeroed before the next.
+    // Counters of the current batch of pairs; zeroed before the next.
     u32 BATCH_PAIRS = 8;
     u32 NEAR_TRIANGLES = 9;
     u32 FEATURES = 10;
@@ -450,7 +450,7 @@ constants! {
     u32 MAX_SPIN = 35;
     /// Not 0: a collider has not rested since the step began, or a body that can move is awake after it.
     u32 AWAKE = 36;
-    // Of the last collision substep that the step needed: pairs and points in the lists, and the counters of these names.
+    // The last collision substep that the step needed: pairs and points in the lists, and the counters of these names.
     u32 LAST_CONTACT_PAIRS = 37;
     u32 LAST_CONTACT_POINTS = 38;
     u32 LAST_SPHERE_PAIRS = 39;

@@ -35,7 +35,8 @@ pub struct StoredKernels {
 }
 
 impl StoredKernels {
-    /// Those in the file of this device; `None` if it can keep none. A file that is not sound is ignored.
+    /// The kernels in the file of this device; `None` if the device cannot keep any. A file that is not sound is
+    /// ignored.
     pub(super) fn open(gpu: &Gpu, setting: &KernelCache) -> Option<Self> {
         if !gpu.device.features().contains(Features::PIPELINE_CACHE) {
             return None;

@@ -44,7 +44,7 @@ pub struct Sort {
 }
 
 impl Sort {
-    /// The same sort with other keys and values.
+    /// This sort with other keys and values.
     pub const fn between(self, input: KeysAndValues, scratch: KeysAndValues) -> Self {
         Self { input, scratch, ..self }
     }

@@ -60,7 +60,7 @@ impl Timer {
         }
     }
 
-    /// The same at its end.
+    /// Writes the time stamp at the end of a stage that has two passes.
     pub fn end(&self, stage: Stage, collision_substep: u32) -> ComputePassTimestampWrites<'_> {
         ComputePassTimestampWrites {
             beginning_of_pass_write_index: None,

@@ -54,6 +54,11 @@
 //!
 #![doc = concat!("```text\n", include_str!("../../examples/first_game.rs"), "```")]
 //!
+//! `FaceoffPlugins` comes after `DefaultPlugins`. Each body has a `Mesh3d` to draw. With the feature `bevy_mesh`,
+//! `MeshColliderFrom(mesh)` makes the collider from that mesh: also from Bevy's `Cuboid` or `Capsule3d`. If you draw
+//! more often than bodies move, 64 times a second by default, add the feature `interpolation`, and
+//! `TransformInterpolation` to each body or `FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all())`.
+//!
 //! # Where to put systems
 //!
 //! The step runs in `FixedPostUpdate`, in the system set [`FaceoffStep`], 64 times a second by default. A frame may have no step,

@@ -82,7 +82,8 @@
 //! * **Features.** Each vertex and each edge has one triangle that owns it, so that no contact point is found twice.
 //!   Edges know the normals of their faces, and whether they are convex.
 //! * **Closed or open.** Vertices are welded, the winding of faces is made consistent, and small openings are closed by
-//!   caps. This decides what is inside, and to which side faces push. The table in the README tells what follows.
+//!   caps. This decides what is inside, and to which side faces push:
+//!   [`meshes`](super::meshes#closed-open-inverted) has a table.
 //! * **Mass, thickness, bounding sphere.**
 //!
 //! # The step

@@ -1,4 +1,4 @@
-//! Bodies in scenes: written in `bsn!`, or saved to a file and loaded again.
+//! Bodies in scenes: written in `bsn!`, made in Blender as a glTF file, or saved to a file and loaded again.
 //!
 //! # Bodies in `bsn!`
 //!
@@ -48,6 +48,45 @@
 //! `MeshColliderFrom` takes the path of a Bevy mesh, such as `"cart.glb#Mesh0/Primitive0"`, and `ShowFacesTowards` the name of
 //! an entity of the scene, `#Target`. A `ShapeCaster` cannot be written
 //! in `bsn!`, because it may hold a handle: insert it afterwards.
+//!
+//! # A scene from Blender
+//!
+//! With the feature `bevy_gltf` a glTF scene goes in as it is:
+//!
+//! ```rust,ignore
+//! use bevy::prelude::*;
+//! use bevy_faceoff::prelude::*;
+//!
+//! fn spawn_cart(mut commands: Commands, assets: Res<AssetServer>) {
+//!     commands.spawn((
+//!         WorldAssetRoot(assets.load("cart.glb#Scene0")),
+//!         MeshColliderHierarchy::default().without_collider_for_name("Curtain"),
+//!         RigidBody::Dynamic, // one body; without it the scene is static
+//!     ));
+//! }
+//! ```
+//!
+//! Each mesh that Bevy has loaded becomes a collider, with its node's place, rotation and scale. It is baked in the
+//! background, once, however often the scene is spawned; then all colliders appear together, and
+//! `MeshColliderHierarchyReady` is triggered.
+//!
+//! Settings come from the code, by the names of nodes and meshes, and from Blender: give an object, its mesh or a
+//! material *custom properties*, and export them with the file.
+//!
+//! | property | value |
+//! |---|---|
+//! | `faceoff` | `"none"` or `false`, `"collider"` or `true`, or `"sensor"` |
+//! | `faceoff_density`, `faceoff_friction`, `faceoff_restitution` | a number |
+//! | `faceoff_layers`, `faceoff_filters` | a layer from 0 to 31, or a list of them |
+//! | `faceoff_body`, of an object only | `"dynamic"`, `"kinematic"` or `"static"`: a body of its own, with all that is below it |
+//! | `faceoff_mass`, with `faceoff_body` | kilograms |
+//!
+//! The log and the event name everything that cannot be read, with its node and file.
+//!
+//! A mesh may also be baked ahead of time: for the mesh `Gear` of `cart.glb` the file `cart_Gear.faceoff` in the same
+//! folder is used if it exists, or else the recipe `cart_Gear.bake.ron`. Keep the recipe beside the baked file: then a
+//! mesh that has changed since is noticed, and baked anew. The documentation of `plugin::prefab` has the details, and
+//! the example `prefab` is a program.
 //!
 //! # Saved scenes
 //!

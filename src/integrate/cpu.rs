@@ -55,7 +55,7 @@ pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: 
     );
 }
 
-/// The same for bodies of several colliders.
+/// Moves bodies of several colliders by one step.
 fn apply_to_compounds(config: &StepConfig, impulses: &[Impulse], bodies: &mut Bodies) {
     let dt = config.dt;
     for compound in &mut bodies.compounds {

@@ -131,8 +131,9 @@ pub(super) struct Wanted {
     pub motion: Option<Motion>,
 }
 
-/// The same, where pairs may reuse points or move, and those that are left out keep what they have found for later calls if
-/// they are to `wait`. Writes the pairs of which points were `dropped`, because the bodies fly past each other there.
+/// Like [`run`], but pairs may reuse points or move. Pairs that are left out keep their candidates for later calls if
+/// `waits` says so. Lists in `dropped` the pairs some of whose points were dropped because the bodies fly past each
+/// other there.
 pub(super) fn run_some(
     bodies: &Bodies,
     meshes: &MeshArena,

@@ -65,8 +65,9 @@ pub trait PhysicsTime {
     /// Pauses the clock: no body moves from the next tick of fixed time on. What you write to components in the
     /// meantime takes effect when the clock runs again.
     ///
-    /// That tick waits for the pending results of a GPU ([`Readback::Latent`](crate::plugin::settings::Readback::Latent))
-    /// and publishes them, so that components hold the current state of the bodies.
+    /// The next tick waits for the pending results of a GPU
+    /// ([`Readback::Latent`](crate::plugin::settings::Readback::Latent)) and publishes them, so that components hold
+    /// the current state of the bodies.
     ///
     /// While the clock is paused, [`PhysicsTime::step_once`] requests a step of the fixed timestep, and `advance_by` a
     /// step of another length. It runs in the next tick.

@@ -37,7 +37,7 @@ pub struct Collisions {
     pub(crate) contacts: Contacts,
     #[reflect(ignore)]
     pub(crate) manifolds: Manifolds,
-    /// Those of dormant bodies, which are not among these.
+    /// Contacts and manifolds of dormant bodies, which `contacts` and `manifolds` lack.
     #[reflect(ignore)]
     pub(crate) dormant_contacts: Contacts,
     #[reflect(ignore)]

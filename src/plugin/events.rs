@@ -38,7 +38,7 @@ pub struct CollisionStart {
 }
 
 impl CollisionStart {
-    /// The same for the end.
+    /// The end of this collision.
     pub(crate) fn into_end(self) -> CollisionEnd {
         let Self {
             target,

@@ -16,9 +16,9 @@ use std::marker::PhantomData;
 /// [`CollisionHooksPlugin`]. It is called for pairs with
 /// [`ActiveCollisionHooks`](crate::types::hooks::ActiveCollisionHooks), in every collision substep.
 ///
-/// Of a pair a static collider comes first, else the smaller one in the order of
-/// [`Collisions`](crate::plugin::collisions::Collisions). A plane comes second. Commands are applied after the
-/// stage that calls the hook.
+/// Order within a pair: a static collider comes first, otherwise the smaller one in the order of
+/// [`Collisions`](crate::plugin::collisions::Collisions). A plane comes second. Commands are applied after the stage
+/// that calls the hook.
 ///
 /// * **Filter**: a pair that is left out is not tested, does not touch and is not reported. A sleeping body wakes when
 ///   the answer about a pair near it changes.

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | add the plugins | [`FaceoffPlugins`], [`FaceoffHeadlessPlugins`] |
 //! | spawn bodies | [`components`], and [`types`](crate::types) for the components that the core shares |
+//! | look up what to use for what | [`guide::what_to_use`](crate::guide::what_to_use) |
 //! | write bodies in `bsn!`, save a world and load it again | [`guide::scenes`](crate::guide::scenes) |
 //! | load meshes | [`assets`] |
 //! | make colliders from Bevy's meshes | `mesh_collider_from`, with the feature `bevy_mesh` |

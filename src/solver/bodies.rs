@@ -221,7 +221,7 @@ pub struct SolverBodies {
     pub(crate) parts: Vec<SolverPart>,
     /// Finds a collider among `parts`.
     pub(super) part_index: PartIndex,
-    /// Those that are neither static nor dormant, ascending, where `revision` is known.
+    /// Bodies that are neither static nor dormant, ascending, where `revision` is known.
     pub(super) moving: Vec<u32>,
     /// What there is of static colliders, where `revision` is known.
     pub(super) statics: Statics,

@@ -42,7 +42,7 @@ pub(super) struct BodyConstants {
 }
 
 impl BodyConstants {
-    /// Those of a body that does not move.
+    /// The constants of a body that does not move.
     pub const NONE: Self = Self {
         initial_rotation: Quat::IDENTITY,
         local_inertia: Mat3::ZERO,

@@ -28,7 +28,7 @@ pub(super) struct BatchSize {
 }
 
 impl BatchSize {
-    /// That of these pairs.
+    /// The size of a batch of these pairs.
     pub fn of(pairs: &[IslandPair], points_of: impl Fn(&IslandPair) -> u32) -> Self {
         let points = || pairs.iter().map(&points_of);
         Self {

@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Some islands of a bundle. If the bundle has one, its pairs have all lanes; otherwise each island has its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group<'a> {
-    /// Those of the bundle.
+    /// The islands of the bundle.
     islands: &'a [Island],
     /// The numbers of the group's islands within the bundle, as bits.
     members: u32,

@@ -64,7 +64,7 @@ pub(super) struct Islands {
     /// The pairs of all islands.
     pub pairs: Vec<IslandPair>,
     trees: Trees,
-    /// Of each tree with pairs.
+    /// The size of each tree with pairs.
     sizes: Vec<Size>,
     /// The numbers of trees in the order of the list, and the place of each tree in it.
     order: Vec<u32>,

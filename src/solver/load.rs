@@ -91,7 +91,7 @@ impl Loads {
         self.compression_by(pair, inverse_masses, points, lane, most_impulse)
     }
 
-    /// The same by impulses that count up to `most_impulse`.
+    /// [`Loads::compression`] by impulses that count up to `most_impulse`.
     fn compression_by(
         &self,
         pair: &Pair,

@@ -121,7 +121,7 @@ impl CollisionSubstep {
         }
     }
 
-    /// That of a body that passes through it like all others.
+    /// The pace of a body that passes through this collision substep like all others.
     pub fn pace(&self) -> Pace {
         Pace {
             dt: self.dt,
@@ -134,7 +134,7 @@ impl CollisionSubstep {
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
     constraints: Constraints,
-    /// Of each body.
+    /// Mobility and pace of each body.
     mobility: Vec<Mobility>,
     paces: Vec<Pace>,
     /// The static bodies of these lists: none has come or gone since they had this state.
@@ -169,7 +169,7 @@ impl Solver {
         self.solve_each(bodies, manifolds, warm, settings, collision_substep.gravity, |_| pace);
     }
 
-    /// The same with a pace of its own for each body. A body that has completed its step keeps its pose, and contacts
+    /// [`Solver::solve`] with a pace for each body. A body that has completed its step keeps its pose, and contacts
     /// between two such bodies are not solved: they keep their impulses.
     pub fn solve_each(
         &mut self,

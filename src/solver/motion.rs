@@ -46,7 +46,7 @@ pub(super) struct BodyStates {
 /// The states of the bodies of one or more bundles.
 pub(super) struct StatesMut<'a> {
     pub velocities: &'a mut [Velocity],
-    /// Those before the impulses of the substep.
+    /// Velocities before the impulses of the substep.
     pub initial_velocities: &'a mut [Velocity],
     pub masses: &'a mut [Mass],
     pub pose_changes: &'a mut [PoseChange],
@@ -193,13 +193,13 @@ impl<'a> StatesMut<'a> {
 }
 
 impl Mass {
-    /// That of a body that no impulse moves.
+    /// The mass of a body that no impulse moves.
     const NONE: Self = Self {
         inverse_mass: Vec3A::ZERO,
         inverse_inertia: Mat3A::ZERO,
     };
 
-    /// That of a body in its initial rotation.
+    /// The mass of a body in its initial rotation.
     fn new(body: &SolverBody, constants: &BodyConstants) -> Self {
         Self {
             inverse_mass: (body.inverse_mass * body.locked_axes.free_translation()).into(),

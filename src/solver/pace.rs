@@ -10,7 +10,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// That of a body that has completed its step.
+    /// The pace of a body that has completed its step.
     pub const DONE: Self = Self { dt: 0.0, substeps: 1 };
 
     /// Whether the body has completed its step.
@@ -28,8 +28,8 @@ impl Pace {
         self.dt / self.substeps as f32
     }
 
-    /// That of an island with bodies of these two. The bodies of an island nearly always have the same pace: others meet
-    /// only if an impulse in this step changed a velocity beyond what was foreseen.
+    /// The pace of an island whose bodies have these two paces. The bodies of an island nearly always have the same
+    /// pace. They differ only if an impulse in this step changed a velocity beyond what was foreseen.
     pub fn and(self, other: Self) -> Self {
         Self {
             dt: self.dt.max(other.dt),
@@ -37,7 +37,7 @@ impl Pace {
         }
     }
 
-    /// The same, with `factor` times as many substeps.
+    /// This pace with `factor` times as many substeps.
     pub fn refined(self, factor: u32) -> Self {
         Self {
             substeps: self.substeps * factor,

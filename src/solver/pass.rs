@@ -44,7 +44,7 @@ impl Pass {
         }
     }
 
-    /// The same pass without bias velocity.
+    /// This pass without bias velocity.
     pub fn relaxing(self) -> Self {
         Self {
             purpose: Purpose::Relax,
@@ -52,7 +52,7 @@ impl Pass {
         }
     }
 
-    /// The same pass with restitution, until no velocity changes by more than `convergence_speed`.
+    /// This pass with restitution, until no velocity changes by more than `convergence_speed`.
     pub fn with_restitution(self, convergence_speed: Stored) -> Self {
         Self {
             convergence_speed,

@@ -121,9 +121,9 @@ impl RowLanes {
 
 /// How impulses change the velocities of the bodies of a batch.
 struct Masses<S: Simd> {
-    /// Of each side, by columns.
+    /// Inverse inertia of each side, by columns.
     inverse_inertias: [[Stored; 9]; 2],
-    /// The sum of both sides, along each axis.
+    /// The sum of both sides' inverse masses, along each axis.
     inverse_mass: Points<S>,
 }
 

@@ -67,7 +67,7 @@ impl Speeds {
         }
     }
 
-    /// The same without its rotation, and for any body.
+    /// Includes body `i` without its rotation, solid or not.
     pub fn include_velocity(&mut self, bodies: &SolverBodies, i: usize, dt: f32) {
         let body = &bodies.bodies[i];
         if !body.moves() || !body.continuous && bodies.sleep[i].asleep {

@@ -10,12 +10,12 @@ use crate::simd::lanes::{
 
 /// The velocities of the bodies of a batch during a pass.
 pub(super) struct PairVelocities<S: Simd> {
-    /// Of both sides, before the pass.
+    /// Linear velocities of both sides, before the pass.
     linear: [StoredPoints; 2],
-    /// That of the second relative to the first: before the pass, and now.
+    /// Linear velocity of the second side relative to the first: before the pass, and now.
     apart_before: Points<S>,
     apart: Points<S>,
-    /// Of both sides, now.
+    /// Angular velocities of both sides, now.
     pub angular: [Points<S>; 2],
 }
 

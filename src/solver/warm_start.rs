@@ -94,7 +94,7 @@ impl WarmStart {
         &self.points[pair.first as usize..][..pair.count as usize]
     }
 
-    /// Those of the pairs that are `wanted`, by their keys.
+    /// The impulses of pairs that are `wanted` by their keys.
     pub(crate) fn select(&self, wanted: impl Fn([u64; 2]) -> bool) -> Self {
         let mut some = Self::default();
         for pair in self.pairs.iter().filter(|pair| wanted(pair.keys)) {

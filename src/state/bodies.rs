@@ -29,7 +29,7 @@ pub struct Bodies {
     pub body: Vec<u32>,
     /// Slot in the [`MeshArena`].
     pub mesh: Vec<u32>,
-    /// Of the body: dynamic, kinematic or static.
+    /// Kind of the body: dynamic, kinematic or static.
     pub kind: Vec<RigidBody>,
     /// Position of the mesh's origin, metres.
     pub position: Vec<Vec3>,
@@ -55,7 +55,7 @@ pub struct Bodies {
     pub speculative_radius: Vec<f32>,
     /// Time until the next collision substep, seconds; 0 once the body has completed its step, and for what is static.
     pub travel_time: Vec<f32>,
-    /// Of the body, 1/kg; 0 for bodies that contacts cannot move.
+    /// Inverse mass of the body, 1/kg; 0 for bodies that contacts cannot move.
     pub inverse_mass: Vec<f32>,
     /// Inverse mass that the body would have if contacts moved it, 1/kg; 0 for static bodies.
     pub own_inverse_mass: Vec<f32>,
@@ -428,8 +428,8 @@ impl Bodies {
         Ok(())
     }
 
-    /// The same for a collider that will be joined with others before the bodies are used. What it has from its body must
-    /// be valid.
+    /// Like [`Bodies::push`], for a collider that will be joined with others before the bodies are used. What it has
+    /// from its body must be valid.
     pub fn push_part(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         let row = self.row(self.len(), body, meshes, false)?;
         self.push_row(row);

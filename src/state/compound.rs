@@ -43,7 +43,7 @@ pub struct Part {
 /// Where a collider is in its body. The scale is that of the collider.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Place {
-    /// Of the mesh's origin, in the body's axes, metres.
+    /// Position of the mesh's origin, in the body's axes, metres.
     pub translation: DVec3,
     /// From the mesh's axes to the body's; of unit length.
     pub rotation: DQuat,

@@ -127,7 +127,8 @@ impl Contacts {
         self.triangle_tests = 0;
     }
 
-    /// Those of the pairs and planes that are `wanted`, by their bodies. Planes are numbered from `first_plane` on.
+    /// The contacts of pairs and planes that are `wanted` by their bodies' numbers. Planes are numbered from
+    /// `first_plane` on.
     pub(crate) fn select(&self, first_plane: u32, wanted: impl Fn([u32; 2]) -> bool) -> Self {
         let mut some = Self::like(self);
         for pair in self.pairs.iter().filter(|pair| wanted(pair.bodies)) {

@@ -77,7 +77,7 @@ impl InactiveBodies {
         (!pair.contains(&GONE)).then_some(pair)
     }
 
-    /// Those of the `movers`, which are all bodies that are not static, become active that are awake.
+    /// Makes `movers` that are awake active. `movers` are all bodies that are not static.
     pub fn keep_only(&mut self, movers: impl Iterator<Item = usize>, is_asleep: impl Fn(usize) -> bool) {
         if self.any {
             movers.for_each(|i| self.flags[i] &= is_asleep(i));

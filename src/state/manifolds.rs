@@ -127,7 +127,7 @@ impl Manifolds {
         add_alone(all, None);
     }
 
-    /// Those of the pairs that are `wanted`.
+    /// The manifolds of the `wanted` pairs.
     pub(crate) fn select(&self, wanted: impl Fn([u32; 2]) -> bool) -> Self {
         let mut some = Self::default();
         for pair in self.pairs.iter().filter(|pair| wanted(pair.bodies)) {

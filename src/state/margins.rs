@@ -48,8 +48,8 @@ impl SpeculativeMargins {
         });
     }
 
-    /// The same without a cap on the travel: spheres of bodies that cannot meet before the next collision
-    /// substep do not overlap.
+    /// Sets [`Bodies::speculative_radius`] without a cap on the travel: if two spheres do not overlap, the bodies
+    /// cannot meet before the next collision substep.
     pub fn set_reach(self, bodies: &mut Bodies, config: &StepConfig) {
         self.set_radii(bodies, config, |travel, _| travel);
     }
@@ -142,7 +142,7 @@ pub(crate) fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f
     sway_at(bodies, config, i, dt, bodies.radius[i])
 }
 
-/// The same for the surface within a distance of `arm` metres of the axis of rotation.
+/// [`sway`] of the surface within `arm` metres of the axis of rotation.
 pub(crate) fn sway_at(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32, arm: f32) -> f32 {
     let turn = bodies.angular_velocity[i].length();
     let mut spin = turn * arm;

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartIndex(Vec<u32>);
 
-/// Of a collider that is not in the list.
+/// The index of a collider that is not in the list.
 const NONE: u32 = u32::MAX;
 
 impl PartIndex {

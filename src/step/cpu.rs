@@ -35,7 +35,7 @@ pub fn run(stage: Stage, step: &mut StepState) {
     run_with(stage, step, &mut NoHooks);
 }
 
-/// The same with hooks.
+/// [`run`] with hooks.
 pub fn run_with(stage: Stage, step: &mut StepState, hooks: &mut dyn StepHooks) {
     in_pool(stage, step, |step| run_here(stage, step, hooks));
 }

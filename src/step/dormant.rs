@@ -81,7 +81,8 @@ struct Candidates {
 #[derive(Debug)]
 pub(crate) struct Met(Vec<u32>);
 
-/// Those who are roused may meet others in turn. After so many rounds in a step all are roused: each round is a search.
+/// Most rounds of rousing in a step, because each is a search: roused bodies may meet other dormant ones. After these
+/// all bodies are roused.
 const MAX_ROUNDS_OF_ROUSING: u32 = 3;
 
 /// What of a step changes when bodies become dormant or are roused.

@@ -3,7 +3,8 @@
 //! Such groups are at different times of the step while it runs: one may have completed it while another has begun. So
 //! their bodies must not come near each other at any time. The territory of a group is a box around all places that
 //! its bodies may reach, even if impulses within the group turn and speed them up. Groups whose territories overlap are
-//! joined, unless both have the same number.
+//! joined, unless both have the same number. A group that sleeps moves only after another has crossed the gap between them,
+//! so it reaches only as far as the rest of the other's way. The twin on a GPU gives it the whole way.
 
 use super::reach::{Meeting, Sweep};
 use crate::geometry::union_find::UnionFind;
@@ -30,8 +31,11 @@ struct Territory {
     root: u32,
     /// Whether some body is awake.
     awake: bool,
+    /// The box of what its bodies sweep over, enlarged by `reached`.
     low: DVec3,
     high: DVec3,
+    /// How much of the [reach](reach) of the group the box has already, metres.
+    reached: f64,
 }
 
 impl Territories {
@@ -92,23 +96,24 @@ impl Territories {
             awake: false,
             low,
             high,
+            reached: 0.0,
         };
         self.all.iter().any(|own| {
             let meeting = &meetings[own.root as usize];
-            meeting.collision_substeps > 1 && own.is_within(reach(config, meeting), &place)
+            meeting.collision_substeps > 1 && own.gap(&place) <= own.rest_of_reach(config, meeting)
         })
     }
 
     /// A group with another number of collision substeps whose territory overlaps this one.
     fn neighbour(&self, own: &Territory, config: &StepConfig, meetings: &[Meeting]) -> Option<usize> {
         let meeting = |territory: &Territory| &meetings[territory.root as usize];
-        let reach = |territory: &Territory| reach(config, meeting(territory));
-        let own_reach = reach(own);
+        let rest = |territory: &Territory| territory.rest_of_reach(config, meeting(territory));
+        let own_rest = rest(own);
         let differs = |other: &Territory| meeting(other).collision_substeps != meeting(own).collision_substeps;
         let others = self.all.iter();
         others
             .enumerate()
-            .find(|(_, other)| differs(other) && own.is_within(own_reach + reach(other), other))
+            .find(|(_, other)| differs(other) && own.gap(other) <= own_rest + rest(other))
             .map(|(number, _)| number)
     }
 
@@ -127,12 +132,7 @@ impl Territories {
         let mut meeting = meetings[a.root as usize];
         meeting.join(&joined, config);
         meetings[root as usize] = meeting;
-        self.all[one] = Territory {
-            root,
-            awake: a.awake || b.awake,
-            low: a.low.min(b.low),
-            high: a.high.max(b.high),
-        };
+        self.all[one] = a.with(&b, reach(config, &meeting), root);
         // In order, so that what happens far away changes nothing here.
         self.all.remove(other);
     }
@@ -152,7 +152,13 @@ impl Territories {
                     territory.high = territory.high.max(high);
                 }
                 Err(at) => {
-                    let territory = Territory { root, awake, low, high };
+                    let territory = Territory {
+                        root,
+                        awake,
+                        low,
+                        high,
+                        reached: 0.0,
+                    };
                     self.all.insert(at, territory);
                 }
             }
@@ -166,9 +172,33 @@ fn reach(config: &StepConfig, meeting: &Meeting) -> f64 {
 }
 
 impl Territory {
-    /// Whether the boxes are no farther apart than `distance` along any axis.
-    fn is_within(&self, distance: f64, other: &Self) -> bool {
-        let near = |low: DVec3, high: DVec3| low.cmple(high + distance).all();
-        near(self.low, other.high) && near(other.low, self.high)
+    /// How far its bodies may leave the box, metres.
+    fn rest_of_reach(&self, config: &StepConfig, meeting: &Meeting) -> f64 {
+        (reach(config, meeting) - self.reached).max(0.0)
+    }
+
+    /// The distance of two boxes along the axis on which they are farthest apart, metres; negative if they overlap.
+    fn gap(&self, other: &Self) -> f64 {
+        (self.low - other.high).max(other.low - self.high).max_element()
+    }
+
+    /// The territory of two groups that are joined, and together have this `reach`.
+    fn with(&self, other: &Self, reach: f64, root: u32) -> Self {
+        let gap = self.gap(other).max(0.0);
+        let rest = |own: &Self, other: &Self| {
+            let until_it_moves = match own.awake {
+                true => own.reached,
+                false => own.reached.max(other.reached + gap),
+            };
+            DVec3::splat((reach - until_it_moves).max(0.0))
+        };
+        let (own_rest, other_rest) = (rest(self, other), rest(other, self));
+        Self {
+            root,
+            awake: self.awake || other.awake,
+            low: (self.low - own_rest).min(other.low - other_rest),
+            high: (self.high + own_rest).max(other.high + other_rest),
+            reached: reach,
+        }
     }
 }

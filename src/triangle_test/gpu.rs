@@ -27,7 +27,7 @@ use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
 /// Tests the triangles of pairs.
 const PAIRS: Kernel = kernel!("triangle_test/pairs");
-/// The same for pieces of large pairs.
+/// Tests the triangles of pieces of large pairs.
 const PIECES: Kernel = kernel!("triangle_test/pairs", "PIECES");
 /// Splits large pairs into pieces.
 const SPLIT: Kernel = kernel!("triangle_test/split");

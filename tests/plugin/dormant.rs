@@ -357,3 +357,29 @@ fn a_step_reads_what_is_awake_or_near_to_it() {
     });
     assert_eq!(written.next().map(|_| ()), None);
 }
+
+#[test]
+fn a_fast_body_between_sleepers_makes_steps_read_only_those_it_may_reach() {
+    let mut sim = Sim::new();
+    sim.world().insert_resource(Gravity::default());
+    sim.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let ball = sim.mesh(&shapes::ball(0.25, 2));
+    for i in 0..256 {
+        let place = Transform::from_xyz(2.0 * (i % 16) as f32, 0.5005, 2.0 * (i / 16) as f32);
+        sim.spawn((RigidBody::Dynamic, cube.clone(), place));
+    }
+    sim.step(120);
+    assert_eq!(sim.report().dormant, 256);
+    let place = Transform::from_xyz(1.0, 0.3, -1.0);
+    let rolls = LinearVelocity(Vec3::new(0.0, 0.0, 20.0));
+    let ball = sim.spawn((RigidBody::Dynamic, ball, place, rolls));
+    for _ in 0..90 {
+        sim.step(1);
+        let report = sim.report();
+        let read = report.colliders_read;
+        assert!(read <= 40, "{read}");
+    }
+    // It has rolled past all of them, divided into collision substeps, and has moved none.
+    assert!(sim.app.world().get::<Transform>(ball).unwrap().translation.z > 20.0);
+}

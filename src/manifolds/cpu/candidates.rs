@@ -218,8 +218,8 @@ impl TrianglePair<'_> {
         parts::owned_features(owned.map(|owned| parts::FACE_BIT | owned))
     }
 
-    /// Those of the features `may_have` with a separation in `range` that the triangles may have after a motion within the
-    /// slack.
+    /// The features among `may_have` that the triangles may have, with a separation in `range`, after a motion within
+    /// the slack.
     fn possible_features(&self, range: &RangeInclusive<f64>, slack: Slack, may_have: Parts) -> Parts {
         let most = (range.start().abs().max(range.end().abs()) + slack.distance) * (1.0 + 1.0e-9);
         let possible = bits(u32::from(may_have)).filter(|&bit| match Part::of(bit) {

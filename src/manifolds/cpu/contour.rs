@@ -53,7 +53,7 @@ pub struct Contours {
     has_partner: Vec<bool>,
     /// Ends without a partner, with their segments.
     loose: Vec<(DVec3, u32)>,
-    /// Those at rims of open meshes, and those of one contour.
+    /// Ends at rims of open meshes: of all contours, and of one.
     rims: Vec<RimEnd>,
     own_rims: Vec<RimEnd>,
     joined: UnionFind,

@@ -133,7 +133,7 @@ impl Kept {
 }
 
 impl RelativePose {
-    /// That of a pair.
+    /// The relative pose of a pair's bodies.
     pub fn of(pair: &Pair) -> Self {
         Self {
             meshes: pair.sides.each_ref().map(|side| Arc::downgrade(side.mesh.features())),

@@ -8,9 +8,9 @@ use std::cmp::Reverse;
 pub struct KeptPairs {
     /// Ascending by bodies.
     pairs: Vec<KeptPair>,
-    /// What pairs keep that are to be asked for again later, ascending by bodies.
+    /// Pairs that will be asked for again later, ascending by bodies.
     waiting: Vec<KeptPair>,
-    /// Those of the call before that are still pairs.
+    /// Scratch: pairs of the call before that are still pairs.
     before: Vec<KeptPair>,
     /// Memory of pairs that are gone. New pairs take that with the least number, so that the same memory is used again
     /// and again and soon has its final size.

@@ -1,8 +1,8 @@
 //! Which features between nearest points count.
 //!
-//! Of one-sided triangles only those where the bodies are nearest, if they are nearer there than at all other features of the
-//! pair: bodies that rest on each other have none. The rims of open meshes have no overlap that would push them apart later,
-//! so all of their features count.
+//! Features of one-sided triangles count only where the bodies are nearest, and only if no other feature of the pair is
+//! nearer: bodies that rest on each other have none. The rims of open meshes have no overlap that would push them apart
+//! later, so all of their features count.
 
 use super::feature::{Feature, Origin, TrianglePair};
 
@@ -15,14 +15,14 @@ pub(crate) const BESIDE: f64 = 0.1;
 /// Features between nearest points, and memory kept between pairs.
 #[derive(Default)]
 pub struct NearFeatures {
-    /// Those of one-sided triangles.
+    /// Features of one-sided triangles.
     of_solids: Vec<Feature>,
-    /// Those of which a triangle is two-sided.
+    /// Features with a two-sided triangle.
     of_sheets: Vec<Feature>,
     margin: f64,
     /// The least distance of other features.
     others: f64,
-    /// The least distance of those of one-sided triangles so far.
+    /// The least distance of features of one-sided triangles so far.
     least: f64,
     /// The vertices that have a feature over a face, with its separation.
     vertices: Vec<((u8, u32), f64)>,

@@ -20,7 +20,7 @@ const WIDE: f32 = 4.0;
 /// Lanes of pairs of triangles, and what they may have.
 #[derive(Clone, Copy, Default)]
 pub struct NearLanes {
-    /// They may cross.
+    /// Lanes whose triangles may cross.
     pub crossing: u32,
     /// For each corner of the first triangle, lanes in which it may be over the second; and the other way round.
     corners: [[u32; 3]; 2],
@@ -29,13 +29,13 @@ pub struct NearLanes {
     edges: [[u32; 3]; 2],
     /// Lanes in which a vertex or an edge of one may be nearest to one of the other.
     pub nearest: u32,
-    /// Lower bounds of the distances in those lanes.
+    /// Lower bounds of the distances in the lanes of `nearest`.
     pub gaps: [f32; 8],
 }
 
 impl NearLanes {
-    /// Of eight pairs whose boxes are within the reach. None of the planes of those found separates them by more than
-    /// that. `crossings` says whether crossings are wanted.
+    /// What eight pairs of triangles may have whose boxes are within the reach. A pair that the plane of one of its
+    /// triangles separates by more than the reach has nothing. `crossings` says whether crossings are wanted.
     #[inline(always)]
     pub fn of<S: Simd>([a, b]: [&EightTriangles<S>; 2], crossings: bool, limits: &Limits) -> Self {
         let simd = a.tilt.simd;
@@ -188,7 +188,7 @@ struct Heights<S: Simd> {
 }
 
 impl<S: Simd> Heights<S> {
-    /// Those of other triangles over faces. `spread` bounds the distance of any two points of both.
+    /// Heights of the corners of `other` over `face`. `spread` bounds the distance of any two points of both.
     #[inline(always)]
     fn over(face: &EightTriangles<S>, other: &EightTriangles<S>, spread: f32x8<S>) -> Self {
         Self {

@@ -52,9 +52,9 @@ pub struct Worker {
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
-    /// Of each patch, the rays through its centre.
+    /// For each patch, the rays through its centre.
     middles: Vec<Option<Probe>>,
-    /// Of each patch, the rays through the deepest vertices, and where they start.
+    /// For each patch, the rays through the deepest vertices, and where they start.
     deepest: Vec<[Option<(DVec3, Probe)>; 2]>,
     reduction: Reduction,
 }

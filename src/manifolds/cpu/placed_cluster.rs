@@ -30,7 +30,7 @@ pub struct PlacedCluster {
     /// Lanes that hold a triangle, and those that take part.
     all_lanes: u32,
     pub lanes: u32,
-    /// Those whose face, and whose edges, may have a feature with a normal that is wanted.
+    /// Lanes whose face, and lanes whose edges, may have a feature with a wanted normal.
     faces: u32,
     edges: u32,
 }
@@ -46,7 +46,7 @@ pub struct ClusterTransform<S: Simd> {
 }
 
 impl<S: Simd> ClusterTransform<S> {
-    /// That of one of the sides of a pair.
+    /// The transform of side `number` of a pair.
     #[inline(always)]
     pub fn new(simd: S, sides: &[Side; 2], number: usize) -> Self {
         let side = &sides[number];

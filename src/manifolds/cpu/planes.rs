@@ -35,16 +35,16 @@ pub struct Scratch {
 
 /// A vertex that may reach the plane.
 struct LowVertex {
-    /// That of the smooth surface for which it stands.
+    /// Separation of the smooth surface for which the vertex stands.
     separation: f32,
     /// The squared distance to the nearest selected vertex.
     apart: f32,
     /// Where it touches, relative to the centre of mass, in the mesh's axes. Vertices of a cube are exactly as far from each
     /// other there as others, so that ties are decided by their order.
     position: Vec3,
-    /// The same in the world's axes.
+    /// `position` in the world's axes.
     anchor: DVec3,
-    /// Of the surface in the direction in which it rolls; 0 at a corner.
+    /// Radius of curvature of the surface in the direction of rolling; 0 at a corner.
     curvature_radius: f32,
 }
 

@@ -16,7 +16,8 @@ pub(crate) const MIN_WEIGHT: f64 = 0.01;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Reduction {
-    /// Of each feature, the distance from those selected, and a weight that falls with the depth below the deepest.
+    /// For each feature, its distance from the selected ones, and its weight, which falls with the difference to the
+    /// deepest.
     ranks: Vec<(f64, f64)>,
     chosen: Vec<Feature>,
 }

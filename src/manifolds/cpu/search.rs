@@ -104,7 +104,7 @@ impl Window {
         window
     }
 
-    /// The same window for features of any normal.
+    /// This window for features of any normal.
     pub fn without_normals(mut self) -> Self {
         self.places.iter_mut().for_each(|place| place.normal = Vec3::ZERO);
         self

@@ -65,7 +65,7 @@ impl SmallTriangle {
 }
 
 impl<S: Simd> EightTriangles<S> {
-    /// Those in memory.
+    /// Loads eight triangles from memory.
     #[inline(always)]
     pub fn gather(simd: S, from: [&SmallTriangle; 8]) -> Self {
         let [[a, b, c, x], [d, e, f, y], [g, h, i, z]] = each(
@@ -103,7 +103,7 @@ impl<S: Simd> EightTriangles<S> {
         pick(known, self.normal, [zero; 3])
     }
 
-    /// The same triangles for the interval test, with error bounds of heights over their planes and of coordinates.
+    /// These triangles for the interval test, with error bounds of heights over their planes and of coordinates.
     #[inline(always)]
     pub fn with_error(&self, tolerance: f32x8<S>, error: f32x8<S>) -> Eight<S> {
         Eight {
@@ -114,7 +114,7 @@ impl<S: Simd> EightTriangles<S> {
         }
     }
 
-    /// Writes all that is in vectors to memory.
+    /// Writes these triangles to memory.
     #[inline(always)]
     pub fn scatter(&self, to: &mut [SmallTriangle; 8]) {
         let [first, second, third] = each(

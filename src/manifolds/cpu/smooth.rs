@@ -62,7 +62,7 @@ struct Surface {
     normal: DVec3,
     /// Transforms tangents of the mesh. The curvature is a quadratic form on them.
     placement: DMat3,
-    /// Of the mesh, times the length of its transformed unit normal.
+    /// Radii of curvature of the mesh, times the length of its transformed unit normal.
     radii: DMat3,
 }
 
@@ -264,7 +264,7 @@ struct Sphere {
 }
 
 impl Sphere {
-    /// That of one side of a feature. A coarse surface has the sphere of this radius through the point.
+    /// The sphere at side `i` of a feature. A coarse surface has the sphere of this `radius` through the point.
     fn at(side: &Side, feature: &Feature, i: usize, radius: f64) -> Option<Self> {
         let (triangle, point) = (feature.triangles[i], feature.points[i]);
         let vertices = side.features.triangles[triangle as usize];

@@ -25,14 +25,14 @@ use crate::gpu::layout::{
 /// How much memory a batch should take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchSize {
-    /// Of all its lists, bytes.
+    /// Size of all its lists, bytes.
     pub bytes: u64,
-    /// Of its longest list at most, bytes.
+    /// Largest size of one list, bytes.
     pub longest: u64,
 }
 
-/// Of all lists of a batch, bytes. A batch of tori of 240 triangles has some 40,000 pairs then, with a workgroup each: several
-/// times what a GPU runs at once.
+/// Size of all lists of a batch, bytes. A batch of tori of 240 triangles has some 40,000 pairs then, with a workgroup
+/// each: several times what a GPU runs at once.
 const BYTES: u64 = 256 << 20;
 
 /// With more, the program of a step becomes long, and its dispatches short.

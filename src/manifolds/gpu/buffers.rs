@@ -14,7 +14,7 @@ pub struct ContactCapacity {
     pub batches: u32,
     /// Pairs of bodies whose contact points are requested.
     pub margin_pairs: u32,
-    /// The same, plus bodies times planes.
+    /// `margin_pairs` plus bodies times planes.
     pub slots: u32,
     /// Pairs of triangles that are near each other, of a batch.
     pub near_triangles: u32,
@@ -86,8 +86,8 @@ impl ContactCapacity {
             && needed.segments <= self.segments
     }
 
-    /// The same pairs in another number of batches, if each pair needs about as much as any other. With fewer batches it is an
-    /// upper bound.
+    /// The capacity for these pairs in another number of batches, if all pairs need about the same. With fewer batches
+    /// it is an upper bound.
     pub fn in_batches(self, batches: u32) -> Self {
         let share = |length: u32| {
             let all = u64::from(length) * u64::from(self.batches);
@@ -150,7 +150,7 @@ buffers! {
         contact_counters: ARRAY u32, CONTACT_COUNTERS, "contact counters";
         /// Arguments of indirect dispatches.
         contact_arguments: INDIRECT u32, 16u32, "contact arguments";
-        /// The same for pieces of pairs: three words for each of two searches.
+        /// Arguments of indirect dispatches for pieces of pairs: three words for each of two searches.
         near_arguments: INDIRECT u32, 6u32, "contact arguments for pieces";
         /// Pairs of bodies, ascending.
         margin_pairs: ARRAY MarginPair, capacity.margin_pairs, "pairs with margins";

@@ -71,15 +71,15 @@ const SELECT_PAIRS: Kernel = kernel!("manifolds/select_pairs");
 const ARGUMENTS: Kernel = kernel!("manifolds/arguments");
 /// Computes relative poses.
 const PLACE: Kernel = kernel!("manifolds/place");
-/// Finds pairs of triangles that are near each other.
+/// Finds pairs of near triangles.
 const NEAR: Kernel = kernel!("manifolds/near");
-/// The same in pieces of large pairs.
+/// Finds pairs of near triangles in pieces of large pairs.
 const NEAR_PIECES: Kernel = kernel!("manifolds/near", "PIECES");
 /// Splits large pairs into pieces.
 const SPLIT: Kernel = kernel!("manifolds/split");
-/// Finds features and segments, and features that overlap.
+/// Finds features and segments, and overlapping features.
 const FEATURES: [Kernel; 2] = [kernel!("manifolds/features"), kernel!("manifolds/features", "DEEP")];
-/// The same in pieces of large pairs.
+/// Finds features and segments in pieces of large pairs.
 const FEATURES_OF_PIECES: [Kernel; 2] = [
     kernel!("manifolds/features", "PIECES"),
     kernel!("manifolds/features", "DEEP PIECES"),

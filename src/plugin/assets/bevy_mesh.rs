@@ -93,7 +93,7 @@ impl Triangles {
         Ok(Self { vertices, faces })
     }
 
-    /// Those of several meshes, joined.
+    /// The triangles of several meshes, joined.
     pub(crate) fn of_all(meshes: &[&Mesh]) -> Result<Self, BevyMeshError> {
         if let [mesh] = meshes {
             return Self::of(mesh);

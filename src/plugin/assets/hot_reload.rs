@@ -27,9 +27,9 @@ pub(super) fn register(app: &mut App) -> Sender<(AssetPath<'static>, Bake)> {
 /// What tells a bake from others. Thousands of these may wait until all is processed, so they hold no mesh.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Bake {
-    /// Of the surface and its mass.
+    /// Fingerprint of the surface and its mass.
     fingerprint: u64,
-    /// Decide all else, such as the face table.
+    /// The settings, which decide all else, such as the face table.
     settings: BakeSettings,
 }
 

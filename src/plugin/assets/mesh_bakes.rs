@@ -135,7 +135,7 @@ fn follow_changes(
 }
 
 impl Source {
-    /// That of one mesh with default settings.
+    /// One mesh with default settings.
     pub fn of(mesh: &Handle<Mesh>) -> Self {
         Self {
             meshes: vec![mesh.clone()],

@@ -33,12 +33,12 @@ pub(super) struct Floor {
     pub body: Entity,
     pub face: Option<u32>,
     pub point: Vec3,
-    /// Of the ground: not steeper than the capsule walks on.
+    /// Normal of the ground, which is not steeper than the capsule can walk on.
     pub normal: Vec3,
 }
 
 impl<'a, 'w, 's> Capsule<'a, 'w, 's> {
-    /// That of a character, with everything in its way that `filter` admits.
+    /// The capsule of a character. Everything that `filter` admits is in its way.
     pub fn new(
         world: &'a SpatialQuery<'w, 's>,
         character: &Character,

@@ -125,7 +125,7 @@ impl Character {
         }
     }
 
-    /// The same with this filter.
+    /// This character with this filter.
     pub fn with_filter(self, filter: SpatialQueryFilter) -> Self {
         Self { filter, ..self }
     }
@@ -181,7 +181,7 @@ pub struct GroundContact {
 pub(crate) struct Anchor {
     /// In the axes of the collider.
     pub(crate) point: DVec3,
-    /// Of the collider in the world.
+    /// Rotation of the collider in the world.
     pub(crate) rotation: DQuat,
     /// Whether the velocity of the ground is known.
     pub(crate) is_tracked: bool,

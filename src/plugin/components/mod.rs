@@ -116,7 +116,7 @@ pub struct StableKey(pub u64);
 ///         MeshCollider(assets.load("cube.bake.ron")),
 ///         Transform::from_scale(Vec3::new(4.0, 2.0, 2.0)),
 ///     );
-///     // Of its events, `collider1` and `body1` are the sensor, and `body2` is who came.
+///     // In its events, `collider1` and `body1` are the sensor, and `body2` is the body that entered.
 ///     commands.spawn(area).observe(|start: On<CollisionStart>, players: Query<&Player>| {
 ///         if players.contains(start.body2) {
 ///             info!("the door opens");

@@ -16,10 +16,10 @@ pub struct FaceoffGizmos {
     pub bounding_spheres: Option<Color>,
     /// The colour of wireframes, boxes and spheres of bodies asleep. `None` draws them like those awake. Default dark blue.
     pub sleeping: Option<Color>,
-    /// The same of sensors. `None` draws them like other colliders. Default violet.
+    /// The colour of wireframes, boxes and spheres of sensors. `None` draws them like other colliders. Default violet.
     pub sensors: Option<Color>,
-    /// The same of colliders that take no part in the step: disabled, rejected, or sheared while their sheared copy is
-    /// baked. `None` hides them. Default grey.
+    /// The colour of wireframes, boxes and spheres of colliders that take no part in the step: disabled, rejected, or
+    /// sheared while their sheared copy is baked. `None` hides them. Default grey.
     pub left_out: Option<Color>,
     /// A grid on every [`PlaneCollider`](crate::plugin::components::PlaneCollider) about the place of its entity, and its
     /// normal. Default `None`.

@@ -31,7 +31,7 @@ pub(super) struct Times {
     pub longest: Duration,
 }
 
-/// Those of the steps between two refreshes.
+/// Times of the steps between two refreshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StepTimes {
     /// Number of steps.

@@ -78,7 +78,7 @@ pub(super) fn plan(
         at: (root, String::new()),
         plan: Plan::default(),
     };
-    // Those whose collider is planned with their node.
+    // Children whose collider is planned with their parent node.
     let mut planned = HashSet::default();
     let mut open = vec![root];
     while let Some(entity) = open.pop() {

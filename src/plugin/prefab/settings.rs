@@ -162,7 +162,7 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    /// That of an optional setting in the component.
+    /// The layer of an optional setting in the component.
     pub fn of(settings: &Option<ColliderSettings>) -> Self {
         Self {
             collider: Some(settings.is_some()),

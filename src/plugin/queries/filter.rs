@@ -56,13 +56,13 @@ impl SpatialQueryFilter {
         Self::default().without(entities)
     }
 
-    /// The same without these colliders, planes and bodies.
+    /// This filter without these colliders, planes and bodies.
     pub fn without(mut self, entities: impl IntoIterator<Item = Entity>) -> Self {
         self.excluded.extend(entities);
         self
     }
 
-    /// The same without sensors.
+    /// This filter without sensors.
     pub fn without_sensors(self) -> Self {
         Self { sensors: false, ..self }
     }

@@ -78,22 +78,22 @@ impl RayCaster {
         }
     }
 
-    /// The same, that goes so far.
+    /// This caster with a range of `max_distance` metres.
     pub fn with_max_distance(self, max_distance: f32) -> Self {
         Self { max_distance, ..self }
     }
 
-    /// The same, that reports so many colliders.
+    /// This caster with at most `max_hits` hits.
     pub fn with_max_hits(self, max_hits: usize) -> Self {
         Self { max_hits, ..self }
     }
 
-    /// The same, about these colliders.
+    /// This caster for the colliders that `filter` admits.
     pub fn with_filter(self, filter: SpatialQueryFilter) -> Self {
         Self { filter, ..self }
     }
 
-    /// The same, with or without its own colliders.
+    /// This caster, which ignores its own colliders if `ignore_self`.
     pub fn with_ignore_self(self, ignore_self: bool) -> Self {
         Self { ignore_self, ..self }
     }

@@ -125,7 +125,7 @@ impl SpatialQuery<'_, '_> {
 
     /// The point of a collider or plane that is nearest to a given one, if it is no farther than `max_distance` metres.
     ///
-    /// Of a collider that contains the point the distance is 0, if its mesh is closed, and the point of the answer is on its
+    /// If a collider with a closed mesh contains the point, the distance is 0, and the point of the answer is on its
     /// surface. A NaN or a negative `max_distance` finds nothing; `f32::INFINITY` is without limit.
     pub fn closest_point(&self, point: Vec3, max_distance: f32, filter: &SpatialQueryFilter) -> Option<PointHitData> {
         let scene = self.index.scene()?;
@@ -173,8 +173,8 @@ impl SpatialQuery<'_, '_> {
         Some(ShapeHitData::new(&self.index, &hit))
     }
 
-    /// The same for each of the `max_hits` colliders and planes that the shape touches first, in the order of distance, as if it
-    /// went through them.
+    /// Like [`SpatialQuery::cast_shape`], for each of the `max_hits` colliders and planes that the shape touches first,
+    /// in the order of distance, as if it went through them.
     pub fn shape_hits(
         &self,
         shape: &QueryShape,

@@ -45,21 +45,21 @@ pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Collid
     index.has_given_poses = false;
 }
 
-/// The same after a step, if any system queries.
+/// [`update_spatial_queries`] after a step, if any system queries.
 pub(crate) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Colliders) {
     if index.is_wanted {
         update_spatial_queries(index, colliders);
     }
 }
 
-/// The same, if the results of a step were published since.
+/// [`update_spatial_queries`], if the results of a step were published since.
 pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Option<Res<StepReport>>, colliders: Colliders) {
     if index.is_wanted && report.is_some_and(|report| index.step != report.step) {
         update_spatial_queries(index, colliders);
     }
 }
 
-/// The same, if no steps run that would do it.
+/// [`update_spatial_queries`], if no step runs that would do it.
 #[cfg(feature = "bevy_picking")]
 pub(crate) fn update_while_time_stands(
     index: ResMut<SpatialIndex>,

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// What a step writes of a [`Character`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CharacterState {
-    /// Of its `Transform`.
+    /// The translation of its `Transform`.
     translation: Vec3,
     velocity: Vec3,
     ground: CharacterGround,

@@ -238,7 +238,7 @@ impl Step {
 
     /// The body whose colliders are placed in it.
     pub fn assembly(&self, body: Entity) -> Option<&Assembly> {
-        // Those that are kept of the last step, and others, each ascending.
+        // Assemblies kept from the last step, and others; each part is ascending.
         let (kept, read) = self.assemblies.split_at(self.kept_assemblies);
         let find = |own: &'_ [Assembly]| own.binary_search_by_key(&body, |assembly| assembly.body).ok();
         let at = find(read).map(|at| at + kept.len()).or_else(|| find(kept));
@@ -352,7 +352,7 @@ mod tests {
     use crate::plugin::components::{ColliderDisabled, MeshCollider};
     use crate::plugin::sync::collect::collect;
 
-    /// Those of which it says none count as leaving the step, and with late results the step waits for them.
+    /// A body without a number counts as leaving the step, and with late results the step waits for it.
     #[test]
     fn a_body_in_the_step_has_a_number_whatever_its_kind_and_colliders() {
         let mut app = App::new();

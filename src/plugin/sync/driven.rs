@@ -17,7 +17,7 @@ pub(crate) struct DrivenBodies {
     pub poses: EntityHashMap<(Vec3, Quat)>,
     /// Where those begin that move in this step.
     departures: Vec<(Entity, (Vec3, Quat))>,
-    /// Those that have moved very far in one step.
+    /// Bodies that have moved very far in one step.
     pub far: EntityHashSet,
     /// What this step writes to the velocities of others, which moved in the last one.
     stopped: Vec<(Entity, [Vec3; 2])>,
@@ -54,7 +54,7 @@ impl DrivenBodies {
         }
     }
 
-    /// The same without the ways of the last step, which no later step needs.
+    /// These bodies without their motion in the last step, which no later step needs.
     pub fn at_rest(&self) -> Self {
         Self {
             poses: self.poses.clone(),

@@ -187,7 +187,7 @@ pub(crate) fn place(to_body: &DAffine3) -> Placed {
 }
 
 impl Posed {
-    /// That of an entity without a parent.
+    /// The pose of an entity without a parent.
     pub fn root(transform: &Transform) -> Self {
         Self {
             position: transform.translation,

@@ -49,12 +49,12 @@ pub(crate) struct Kept {
     pub has_keys: bool,
     /// The bodies that are not static, ascending, whether or not the step has them.
     pub movers: Vec<Entity>,
-    /// Those of them that are not dormant, ascending.
+    /// The `movers` that are not dormant, ascending.
     pub awake: Vec<Entity>,
-    /// The dormant ones, in the set with this name.
+    /// The dormant `movers`, in the set with this name.
     dormant: EntityIndexSet,
     dormant_name: Revision,
-    /// Whether users have written to dormant bodies, or these have gone.
+    /// Whether users have written to dormant bodies, or some of them have gone.
     pub has_news: bool,
     /// Static colliders to which users have written.
     pub changed: Vec<Entity>,

@@ -87,7 +87,7 @@ pub(crate) struct Step {
     pub others: Vec<Entity>,
     /// Bodies under other entities.
     pub nested: NestedBodies,
-    /// Those of the last step, until the bodies that leave are known.
+    /// The nested bodies of the last step, until the bodies that leave are known.
     #[cfg(feature = "gpu")]
     pub last_nested: NestedBodies,
     /// Kinematic bodies that move by their `Transform`.

@@ -34,7 +34,7 @@ impl Keyed {
         self.key & OF_ENTITY == 0
     }
 
-    /// The same for another entity, which takes its place in a mapped world.
+    /// The key of the entity that takes this one's place in a mapped world.
     pub fn mapped(self, entity: Entity) -> Self {
         if self.is_stable() {
             Self { entity, ..self }
@@ -70,10 +70,10 @@ pub(crate) fn put_static_first<T: InOrder>(items: &mut [T]) {
     }
 }
 
-/// Sorts items by their keys. Of those with the same stable key all but the first get the key of their entity, and are
-/// passed to `same`.
+/// Sorts items by their keys. Among items with the same stable key, all but the first get the key of their entity and
+/// are passed to `same`.
 pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
-    // Of those with one key the first one spawned keeps it.
+    // Among items with the same key, the first one spawned keeps it.
     let order = |item: &T| (item.id().key, Keyed::new(item.id().entity, None).key);
     items.sort_unstable_by_key(order);
     let mut is_changed = false;

@@ -149,7 +149,7 @@ impl Reader<'_, '_> {
     /// Reads all bodies and colliders.
     pub fn all(&mut self, bodies: &mut Query<BodyComponents, IsBody>, hierarchy: &Hierarchy) {
         self.begin_all(hierarchy);
-        // Those that are not single bodies without a parent. They are few in most worlds.
+        // Bodies that have a parent or are not a single collider. They are few in most worlds.
         let mut others = std::mem::take(&mut self.step.others);
         others.clear();
         for mut body in &mut *bodies {
@@ -472,7 +472,7 @@ impl Reader<'_, '_> {
             while (self.step.assemblies.get(number)).is_some_and(|assembly| assembly.body < body) {
                 number += 1;
             }
-            // Those of an invalid body are left out with it.
+            // Colliders of an invalid body are left out with it.
             if let Some(assembly) = self.step.assemblies.get(number).filter(|it| it.body == body) {
                 let surface = child.surface.or(&assembly.surface);
                 let placed = child.place(&assembly.stretch);

@@ -28,7 +28,7 @@ impl Touching {
         self.pair.map(|id| id.entity)
     }
 
-    /// The same with its pair in ascending order.
+    /// This collision with its pair in ascending order.
     pub fn ordered(mut self) -> Self {
         if self.pair[0] > self.pair[1] {
             self.pair.reverse();
@@ -46,9 +46,9 @@ impl Touching {
 /// Pairs whose collision has started and not ended.
 #[derive(Default)]
 pub(crate) struct TouchingPairs {
-    /// Ascending, without those of dormant bodies.
+    /// Pairs that are not of dormant bodies, ascending.
     pub pairs: Vec<Touching>,
-    /// Those of dormant bodies, ascending.
+    /// Pairs of dormant bodies, ascending.
     dormant: Vec<Touching>,
     /// Scratch: the pairs after this step.
     now: Vec<Touching>,
@@ -286,7 +286,7 @@ fn differences(before: &[Touching], after: &[Touching], mut send: impl FnMut(&To
                 before.next();
                 after.next();
             }
-            // Of a collider that changes its body one collision ends, and then one starts.
+            // When a collider changes its body, one collision ends, and then one starts.
             (Some(b), a) if a.is_none_or(|a| b.pair <= a.pair) => {
                 send(b, false);
                 before.next();

@@ -38,7 +38,7 @@ buffers! {
     SolverBuffers(SolverCapacity), |capacity| {
         /// Parameters.
         collision_substep: UNIFORM CollisionSubstep, 1u32, "collision substep";
-        /// Of bodies with one collision substep in the step, with two, and so on.
+        /// The pace of bodies with one collision substep in the step, with two, and so on.
         paces: UNIFORM Pace, MAX_COLLISION_SUBSTEPS, "paces";
         solver_counters: ARRAY u32, COUNTERS, "solver counters";
         body_constants: ARRAY BodyConstants, capacity.bodies, "body constants";

@@ -12,7 +12,7 @@ use wgpu::Buffer;
 /// Capacity of the lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepCapacity {
-    /// Of contact generation.
+    /// Capacity of contact generation.
     pub contacts: ContactCapacity,
     /// Bodies and planes.
     pub bodies: u32,
@@ -89,11 +89,11 @@ buffers! {
         host_states: ARRAY MotionState, capacity.solver().bodies, "motion states of the host";
         /// Motion states during the step.
         motion_states: ARRAY MotionState, capacity.solver().bodies, "motion states";
-        /// The same at the start of the collision substep, for continuous collision.
+        /// Motion states at the start of the collision substep, for continuous collision.
         earlier_states: ARRAY MotionState, capacity.kept_states(), "motion states before";
         /// External forces.
         forces: ARRAY BodyForces, capacity.solver().bodies, "forces";
-        /// As the host sends them. Kernels clear the impulses of the copy.
+        /// External forces as the host sends them. Kernels clear the impulses of the copy.
         sent_forces: ARRAY BodyForces, capacity.solver().bodies, "forces as sent";
         /// How the step is divided into collision substeps.
         division: UNIFORM Division, 1u32, "division of the step";
@@ -105,13 +105,13 @@ buffers! {
         meetings: ARRAY Meeting, capacity.solver().bodies, "meetings";
         /// Parameters of the first collision substep.
         first_collision_substep: ARRAY CollisionSubstep, 1u32, "first collision substep";
-        /// Parameters of the later ones.
+        /// Parameters of later collision substeps.
         later_collision_substep: ARRAY CollisionSubstep, 1u32, "later collision substeps";
         /// New numbers of bodies, by their numbers in the last step.
         first_new_numbers: ARRAY u32, capacity.solver().bodies, "new numbers of bodies, first collision substep";
-        /// The same for later collision substeps: the identity.
+        /// New numbers of bodies for later collision substeps: the identity.
         later_new_numbers: ARRAY u32, capacity.solver().bodies, "new numbers of bodies, later collision substeps";
-        /// The one in use.
+        /// The new numbers in use.
         new_numbers: ARRAY u32, capacity.solver().bodies, "new numbers of bodies";
         /// Arguments of the solver's indirect dispatches.
         solver_arguments: INDIRECT u32, 3 * SLOTS, "solver arguments";

@@ -48,7 +48,7 @@ const DETECTION: [Stage; 4] = [Stage::BroadPhase, Stage::Angles, Stage::Triangle
 pub struct ContactPrograms {
     /// The buffers of contact generation.
     pub contacts: ContactBuffers,
-    /// Those of one batch of pairs.
+    /// The buffers of one batch of pairs.
     pub scratch: ContactScratch,
     /// The solver's buffers.
     pub solver: SolverBuffers,

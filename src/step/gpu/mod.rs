@@ -134,9 +134,9 @@ pub struct GpuStep {
 /// The kernels that are compiled. Each response needs more than the one before.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Compiled {
-    /// Those of [`Response::Impulse`](crate::types::settings::Response::Impulse).
+    /// Kernels of [`Response::Impulse`](crate::types::settings::Response::Impulse).
     Impulses,
-    /// Those for contact points too. Meshes include their topology.
+    /// Kernels for contact points too. Meshes include their topology.
     Points,
     /// All.
     All,

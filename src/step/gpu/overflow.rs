@@ -28,8 +28,8 @@ impl GpuStep {
         self.finish_all_with(None)
     }
 
-    /// The same, with the fast bodies of the last of them. Those before it have none, because a step with fast bodies is
-    /// finished when it is submitted.
+    /// Waits for all steps in flight. `fast_bodies` are those of the last one. Earlier ones have none, because a step
+    /// with fast bodies is finished when it is submitted.
     pub(super) fn finish_all_with(&mut self, fast_bodies: Option<FastBodies>) -> Result<(), StepError> {
         while !self.flights.is_empty() {
             let output = self.finish_oldest(fast_bodies)?;
@@ -167,7 +167,7 @@ impl GpuStep {
         self.reserve(needed, for_contacts)?;
         let mut between = std::mem::take(&mut self.between);
         for mut flight in std::mem::take(&mut self.flights) {
-            // Those after it are likely to need as many.
+            // Later steps are likely to need as many collision substeps.
             flight.input.record_substeps(substeps);
             let earlier = flight.work.after(&std::mem::take(&mut between));
             self.launch(flight.input, flight.detail, earlier, fast_bodies)?;

@@ -270,7 +270,7 @@ fn kernels_of(calls: impl Fn(&Capacity) -> Calls) -> impl Iterator<Item = &'stat
     })
 }
 
-/// The same calls, bound to buffers.
+/// [`impulse_calls`], bound to buffers.
 pub fn impulse_program(gpu: &Gpu, buffers: &Buffers) -> Program {
     Program::new(gpu, &impulse_calls(&buffers.capacity), &[buffers])
 }

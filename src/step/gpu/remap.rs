@@ -69,7 +69,7 @@ pub struct Slowed {
 pub struct BodyRemap {
     /// For each collider its number in the last step, and what carries over, as in `Body::carried`.
     pub bodies: Vec<(u32, u32)>,
-    /// The same for each compound.
+    /// For each compound, where its state after the last step is, and what carries over.
     pub compounds: Vec<CompoundRemap>,
     /// For each collider of the last step, followed by the planes, its new number; `u32::MAX` if it is gone.
     pub new_numbers: Vec<u32>,

@@ -18,7 +18,7 @@ pub(super) struct Rest {
 }
 
 impl Rest {
-    /// Of a finished step.
+    /// The results of a finished step, if it was at rest.
     pub fn of(output: &Output, detail: Detail) -> Option<Self> {
         output.rests.then(|| Self {
             output: output.clone(),

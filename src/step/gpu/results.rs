@@ -248,7 +248,7 @@ impl Raw {
             collision_substeps: self.counters[NEEDED_SUBSTEPS as usize],
             mean_collision_substeps: self.mean_collision_substeps(),
             speeds: speeds(&self.tally),
-            // Of several collision substeps the tally knows the last one.
+            // The tally knows only the last of several collision substeps.
             rests: input.response == Response::Contacts
                 && self.counters[NEEDED_SUBSTEPS as usize] == 1
                 && self.tally[AWAKE as usize] == 0
@@ -301,7 +301,7 @@ impl Output {
         state.input.bodies.set_motions(&motions);
     }
 
-    /// The same without the motions, which it returns.
+    /// Writes everything but the motions, which it returns.
     pub fn put_lists(self, results: &mut StepResults) -> Vec<Motion> {
         results.sphere_pairs = self.sphere_pairs;
         results.near_pairs.clear();

@@ -39,7 +39,7 @@ pub struct SolverInput {
 /// Speeds that the host sets or changes in one step, and those of bodies that are no longer fast.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HostSpeeds {
-    /// Of these bodies.
+    /// Speeds of these bodies.
     pub speeds: Speeds,
     /// Upper bound of the change of any body's speed by impulses, forces and added velocities, m/s.
     pub max_change: f32,
@@ -180,7 +180,7 @@ impl SolverInput {
         self.remap.bodies[i]
     }
 
-    /// The same for compounds.
+    /// The row of each compound in the last step, and what carries over.
     pub fn compound_sources(&self) -> &[CompoundRemap] {
         &self.remap.compounds
     }

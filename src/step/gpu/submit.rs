@@ -234,7 +234,7 @@ impl GpuStep {
             let staging = match fitting {
                 Some(at) => spare.swap_remove(at),
                 None => {
-                    // Those that are too short now would be kept for nothing.
+                    // All spare buffers are too short now, so none is kept.
                     spare.clear();
                     staging(gpu, parts.total)
                 }

@@ -220,7 +220,7 @@ struct ClusterTests<'a, S: Simd> {
     simd: S,
     a: &'a PlacedCluster,
     b: &'a PlacedCluster,
-    /// Those of [`PairScale::between`].
+    /// Offset and error bound from [`PairScale::between`].
     offset: Vec3,
     error: f32,
     /// Lanes of `a` that are left to test.
