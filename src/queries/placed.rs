@@ -7,7 +7,8 @@ use crate::simd::lanes::{Rows, SimdBase, add, bitmask, load_points, splat, splat
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
-use crate::state::bodies::{bounding_radius, check_pose};
+use crate::state::bodies::bounding_radius;
+use crate::state::checks::check_pose;
 use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::BoxGroup;
 use crate::state::{Frame, PlacedMesh};

@@ -6,20 +6,20 @@
 //! Stages that move bodies work on bodies: the solver, sleep and integration.
 
 use super::body::{Body, BodyParams, Motion};
+use super::checks::{check_body, check_collider, check_pose};
 use super::columns::Row;
 use super::compound::{Compound, Part};
 use super::dormant_set::DormantSet;
-use super::fault::{BodyFault, MAX_GRAVITY_SCALE, MAX_SPEED, MIN_RADIUS};
+use super::fault::{BodyFault, MAX_SPEED};
 use super::mesh_arena::MeshArena;
 use super::part_index::PartIndex;
 use super::revision::Revision;
 use super::static_changes::StaticChanges;
-use crate::asset::CollisionMesh;
 use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
 use crate::types::settings::Culling;
-use glam::{BVec3, DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
+use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 use std::borrow::Cow;
 
 /// One entry per collider in every array up to `params`.
@@ -513,66 +513,6 @@ impl Bodies {
     }
 }
 
-/// Validates what does not depend on a mesh.
-///
-/// # Errors
-/// The first fault that it finds.
-pub(crate) fn check_body(body: &Body) -> Result<(), BodyFault> {
-    check_collider(body)?;
-    if body.mass == Some(f32::INFINITY) {
-        return Err(BodyFault::Infinite("Mass"));
-    }
-    if let Some(name) = not_finite(body) {
-        return Err(BodyFault::NonFinite(name));
-    }
-    let speed = body
-        .linear_velocity
-        .abs()
-        .max(body.angular_velocity.abs())
-        .max_element();
-    if speed > MAX_SPEED {
-        return Err(BodyFault::TooFast(speed));
-    }
-    if body.gravity_scale.abs() > MAX_GRAVITY_SCALE {
-        return Err(BodyFault::GravityScale(body.gravity_scale));
-    }
-    let is_weightless = |mass: f32| mass == 0.0 || (1.0 / mass).is_infinite();
-    let is_bad = |mass: &f32| *mass < 0.0 || body.kind == RigidBody::Dynamic && is_weightless(*mass);
-    if let Some(mass) = body.mass.filter(is_bad) {
-        return Err(BodyFault::Mass(mass));
-    }
-    if body.inertia.is_some_and(|inertia| !is_inertia(&inertia)) {
-        return Err(BodyFault::Inertia);
-    }
-    Ok(())
-}
-
-/// Validates the pose and what belongs to a collider.
-fn check_collider(body: &Body) -> Result<(), BodyFault> {
-    let pose_finite = body.position.is_finite() && body.rotation.is_finite() && body.scale.is_finite();
-    if !pose_finite {
-        return Err(BodyFault::NonFinitePose);
-    }
-    check_rotation(body.rotation.as_dquat())?;
-    if body.density == f32::INFINITY {
-        return Err(BodyFault::Infinite("Density"));
-    }
-    let finite = [
-        ("Density", body.density.is_finite()),
-        ("Restitution", body.restitution.is_finite()),
-        ("Friction", body.params.friction.coefficient.is_finite()),
-    ];
-    if let Some((name, _)) = finite.into_iter().find(|(_, finite)| !finite) {
-        return Err(BodyFault::NonFinite(name));
-    }
-    // Bodies that nothing can push need no mass.
-    let is_bad = body.density < 0.0 || body.density == 0.0 && body.kind == RigidBody::Dynamic;
-    if body.mass.is_none() && is_bad {
-        return Err(BodyFault::Mass(body.density));
-    }
-    Ok(())
-}
-
 /// The normalised quaternion. A quaternion of unit length up to rounding is returned unchanged, so a rotation that a
 /// step wrote keeps its bits.
 pub(super) fn unit(rotation: Quat) -> Quat {
@@ -581,33 +521,6 @@ pub(super) fn unit(rotation: Quat) -> Quat {
     } else {
         rotation.normalize()
     }
-}
-
-/// Validates rotation and scale of a mesh. Returns the unit rotation, the scale and the scaled radius.
-///
-/// Along an axis on which all of the mesh is at 0 any scale gives the same shape, so a scale of 0 counts as the largest of the others.
-pub(crate) fn check_pose(mesh: &CollisionMesh, rotation: DQuat, scale: Vec3) -> Result<(DQuat, Vec3, f32), BodyFault> {
-    check_rotation(rotation)?;
-    let largest = scale.abs().max_element();
-    let flat = if scale.cmpeq(Vec3::ZERO).any() {
-        mesh.flat_axes()
-    } else {
-        BVec3::FALSE
-    };
-    let used = Vec3::select(flat & scale.cmpeq(Vec3::ZERO), Vec3::splat(largest), scale);
-    let radius = mesh.radius * largest;
-    let thinnest = mesh.radius * used.abs().min_element();
-    if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
-        return Err(BodyFault::ZeroScale(scale));
-    }
-    Ok((rotation.normalize(), used, radius))
-}
-
-fn check_rotation(rotation: DQuat) -> Result<(), BodyFault> {
-    if rotation.length_squared() < 1.0e-12 {
-        return Err(BodyFault::ZeroRotation);
-    }
-    Ok(())
 }
 
 /// Radius of a body's bounding sphere, enlarged by the rounding error of its centre.
@@ -638,44 +551,6 @@ impl Frame {
     pub(crate) fn offset(&self) -> DVec3 {
         self.center - self.body_center
     }
-}
-
-/// Whether a tensor and its inverse are finite, and the tensor is symmetric and positive definite.
-fn is_inertia(tensor: &Mat3) -> bool {
-    // The determinants of tiny and of huge tensors are beyond single precision.
-    let tensor = tensor.as_dmat3();
-    let largest = tensor.x_axis.x.max(tensor.y_axis.y).max(tensor.z_axis.z);
-    let symmetric = (tensor - tensor.transpose()).abs_diff_eq(DMat3::ZERO, 1.0e-4 * largest);
-    // Sylvester's criterion.
-    let minor = tensor.x_axis.x * tensor.y_axis.y - tensor.x_axis.y * tensor.y_axis.x;
-    let definite = tensor.x_axis.x > 0.0 && minor > 0.0 && tensor.determinant() > 0.0;
-    tensor.is_finite() && symmetric && definite && tensor.inverse().as_mat3().is_finite()
-}
-
-/// Name of the first component that holds NaN, or an infinity where that is not a valid limit.
-fn not_finite(body: &Body) -> Option<&'static str> {
-    let params = &body.params;
-    let ExternalForces {
-        force,
-        torque,
-        impulse,
-        angular_impulse,
-    } = params.forces;
-    let finite = [
-        ("LinearVelocity", body.linear_velocity.is_finite()),
-        ("AngularVelocity", body.angular_velocity.is_finite()),
-        ("Mass", body.mass.is_none_or(f32::is_finite)),
-        ("GravityScale", body.gravity_scale.is_finite()),
-        ("LinearDamping", params.linear_damping.is_finite()),
-        ("AngularDamping", params.angular_damping.is_finite()),
-        ("MaxLinearSpeed", !params.max_linear_speed.is_nan()),
-        ("MaxAngularSpeed", !params.max_angular_speed.is_nan()),
-        (
-            "ExternalForces",
-            [force, torque, impulse, angular_impulse].iter().all(|v| v.is_finite()),
-        ),
-    ];
-    finite.into_iter().find_map(|(name, finite)| (!finite).then_some(name))
 }
 
 /// The mass in kilograms; infinite for a body that contacts cannot move.
@@ -712,8 +587,13 @@ fn inverse_inertia_of(body: &Body, frame: &Frame, mesh: &MassProperties, mass: f
 /// The inverse of an inertia tensor, or that of its inverse; zero if there is none that is finite. In double precision, because
 /// the determinants of bodies of a millimetre and of hundreds of metres are beyond single precision.
 pub(crate) fn invert_inertia(tensor: DMat3) -> DMat3 {
-    let inverse = (tensor.determinant() != 0.0).then(|| tensor.inverse());
-    inverse
-        .filter(|inverse| inverse.as_mat3().is_finite())
-        .unwrap_or(DMat3::ZERO)
+    // `DMat3::inverse`, with a determinant of 0 allowed.
+    let DMat3 { x_axis, y_axis, z_axis } = tensor;
+    let [x, y, z] = [y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis)];
+    let factor = z_axis.dot(z).recip();
+    let inverse = DMat3::from_cols(x * factor, y * factor, z * factor).transpose();
+    match inverse.as_mat3().is_finite() {
+        true => inverse,
+        false => DMat3::ZERO,
+    }
 }

@@ -1,7 +1,8 @@
 //! Bodies whose colliders are placed in them: several colliders, or one that is not at the body's origin.
 
-use super::bodies::{Bodies, Frame, bounding_radius, check_body, invert_inertia};
+use super::bodies::{Bodies, Frame, bounding_radius, invert_inertia};
 use super::body::{Body, Motion};
+use super::checks::check_body;
 use super::fault::BodyFault;
 use super::mesh_arena::MeshArena;
 use crate::types::body::RigidBody;

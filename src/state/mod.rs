@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`input`] | the input of a step: [`config`], [`mesh_arena`], [`bodies`], [`planes`] |
 //! | [`compound`] | bodies of several colliders |
-//! | [`body`], [`fault`] | one body, and its validation errors |
+//! | [`body`], `checks`, [`fault`] | one body, its validation, and the errors |
 //! | [`placed_mesh`] | a mesh with its pose |
 //! | `part_index` | which colliders are parts of bodies of several |
 //! | `excerpt` | a few of the bodies of a step, by themselves |
@@ -23,6 +23,7 @@
 mod arm;
 pub mod bodies;
 pub mod body;
+pub(crate) mod checks;
 mod columns;
 pub mod compound;
 pub mod config;

@@ -317,7 +317,7 @@ impl Step {
         for assembly in &mut self.assemblies {
             if let Some(motion) = motion_of(assembly.body) {
                 let moved = moved(&assembly.values, motion);
-                if crate::state::bodies::check_body(&moved).is_ok() {
+                if crate::state::checks::check_body(&moved).is_ok() {
                     assembly.values = moved;
                 }
             }

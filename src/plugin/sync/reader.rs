@@ -10,7 +10,7 @@ use super::sheared::Sheared;
 use super::{Assembly, AssemblyPart, Candidate, Step};
 use crate::asset::CollisionMesh;
 use crate::plugin::components::*;
-use crate::state::bodies::check_body;
+use crate::state::checks::check_body;
 use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Body, StepInput};
