@@ -1,4 +1,4 @@
-//! The buffers between contact generation and the solver, and those that persist between steps.
+//! Buffers between contact generation and the solver, and buffers that persist between steps.
 
 use crate::gpu::buffers::{Capacity, buffers, grow};
 use crate::gpu::layout::{ContactPair, ContactPoint, Division, Meeting, Sweep, TALLIES, Touch};
