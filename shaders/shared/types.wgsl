@@ -491,7 +491,7 @@ struct NearPiece {
     pair: u32,
     node_a: u32,
     node_b: u32,
-    // Its range among the pairs of triangles.
+    // Range of the piece among the pairs of triangles.
     first_near: u32,
     near_count: u32,
     // Numbers of features and segments; then the places of the first.

@@ -53,7 +53,7 @@ macro_rules! layout {
 /// The layout of a struct.
 #[derive(Clone, Copy, Debug)]
 pub struct Struct {
-    /// Its name, the same in both languages.
+    /// Name of the struct, the same in both languages.
     pub name: &'static str,
     /// Size, bytes.
     pub size: usize,

@@ -132,7 +132,7 @@ impl Body {
         }
     }
 
-    /// Its pose and velocities.
+    /// Pose and velocities of the body.
     pub fn motion(&self) -> Motion {
         Motion {
             position: self.position,

@@ -32,7 +32,7 @@ pub struct Compound {
 pub struct Part {
     /// Number of the collider.
     pub collider: u32,
-    /// Its place in the body.
+    /// Place of the collider in the body.
     pub place: Place,
     /// Index of its body in [`Bodies::compounds`].
     pub compound: u32,
@@ -71,7 +71,7 @@ impl Compound {
 pub struct NewPart {
     /// Number of the collider.
     pub collider: u32,
-    /// Its place in the body.
+    /// Place of the collider in the body.
     pub place: Place,
     /// Kilograms per cubic metre.
     pub density: f32,

@@ -82,7 +82,7 @@ impl NearClusters {
         &self.seconds[..self.second_count]
     }
 
-    /// Their triangles.
+    /// The triangles of the second body's clusters.
     pub fn triangles(&self) -> &[[SmallTriangle; CLUSTER]] {
         &self.triangles[..self.second_count]
     }

@@ -31,9 +31,9 @@ pub struct RimEnd {
 #[derive(Clone, Copy, Debug)]
 pub struct Rim {
     pub side: usize,
-    /// Its middle.
+    /// Middle of the part within the other body.
     middle: DVec3,
-    /// From there to one end.
+    /// From the middle to one end.
     half: DVec3,
     depth: f64,
 }

@@ -182,9 +182,9 @@ buffers! {
         near_triangles: ARRAY [u32; 4], capacity.near_triangles, "near triangles";
         /// Pieces of pairs of large meshes, for both searches.
         near_pieces: ARRAY NearPiece, capacity.pieces, "pieces of pairs with margins";
-        /// Their features.
+        /// Features of a batch.
         features: ARRAY Feature, capacity.features, "contact features";
-        /// The segments in which they cross.
+        /// Segments in which triangles cross.
         segments: ARRAY Segment, capacity.segments, "contour segments";
         /// Links between segments: eight words per segment.
         contour_links: ARRAY u32, 8 * u64::from(capacity.segments), "contour links";

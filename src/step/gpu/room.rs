@@ -19,7 +19,7 @@ pub struct Room {
     pub plane_contacts: u32,
     /// Pairs with contact points.
     pub contact_pairs: u32,
-    /// Their points.
+    /// Contact points of these pairs.
     pub contact_points: u32,
     /// Points of touching pairs.
     pub touches: u32,
