@@ -34,7 +34,7 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let b = bodies[bodies_of_pair.y];
     let margin = speculative_margin(step, a, b);
     if (a.inactive & b.inactive & t::COMPLETED) != 0u {
-        // Both have completed their step, or one has and the other is static: the pair keeps its contact points.
+        // Both bodies have completed their step, or one has and the other is static: the pair keeps its contact points.
         var kept: t::NearPair;
         kept.a = bodies_of_pair.x;
         kept.b = bodies_of_pair.y;

@@ -40,7 +40,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     found = pair_counts[i];
 #endif
     let own = entries[i];
-    // After an overflow nothing has moved, and there may be no poses yet: all bodies at one place are pairs without end.
+    // After an overflow nothing has moved, and poses may be missing: with all bodies at one place, pairs would have no
+    // end.
     let is_void = status[OVERFLOW] != 0u || step.is_over != 0u;
     var level = own.level;
     var is_crowded = false;

@@ -42,7 +42,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     impulses[i] = sum;
 }
 
-// From the centre of mass of a collider's body to a point at `anchor` from that of the collider.
+// From the centre of mass of a collider's body to a point at `anchor` from the collider's centre of mass.
 fn body_anchor(collider: u32, anchor: vec3<f32>) -> vec3<f32> {
     let contacts = body_contacts[collider];
     return vec3(contacts.offset_x, contacts.offset_y, contacts.offset_z) + anchor;

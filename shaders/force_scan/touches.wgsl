@@ -40,7 +40,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         atomicAdd(&tally[t::TOUCHING_NOW], 1u);
     }
     if (body_states[pair.a].mass.flags & body_states[pair.b].mass.flags & s::COMPLETED) != 0u {
-        // It was recorded in the collision substeps of its bodies.
+        // The touch was recorded in the collision substeps of its bodies.
         return;
     }
     let first = atomicAdd(&tally[t::TOUCHES], pair.count);

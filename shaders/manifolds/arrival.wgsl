@@ -20,8 +20,8 @@
 
 var<workgroup> any_dropped: atomic<u32>;
 
-// A feature that may arrive: the displacement of the second body relative to the first there, until the surfaces meet; what is
-// left of the gap then; and by how much the path may leave its straight way.
+// A feature that may arrive: the relative displacement of the second body there until the surfaces meet; the remaining
+// gap; and how far the path may leave the straight line.
 struct Course {
     way: vec3<f32>,
     left: f32,
@@ -77,7 +77,7 @@ fn kind_of(feature: t::Feature) -> u32 {
     return feature.origin & t::ORIGIN_MASK;
 }
 
-// Whether what belongs to a vertex is that of the second body.
+// Whether the vertex of a feature belongs to the second body.
 fn is_of_second(feature: t::Feature) -> bool {
     return (feature.origin & t::VERTEX_OF_SECOND) != 0u;
 }
@@ -93,7 +93,7 @@ fn does_count(setup: t::PairSetup, a: sides::Side, b: sides::Side, motion: Motio
         at = select(feature.point_a, feature.point_b, is_of_second(feature));
     }
     let way = way_at(a, b, motion, at);
-    // It is not known here what carries a body. Either way it must arrive on the surface.
+    // What carries a body is not known here. The point must arrive on the surface in either case.
     let closing = -dot(feature.normal, way);
     let falling = -dot(feature.normal, motion.fall);
     if closing + max(falling, 0.0) <= feature.separation - motion.rest_offset {
@@ -107,7 +107,8 @@ fn does_count(setup: t::PairSetup, a: sides::Side, b: sides::Side, motion: Motio
     return arrived;
 }
 
-// Whether both surfaces are smooth and convex there. The solver rotates the normal of their contact as they pass each other.
+// Whether both surfaces are smooth and convex at the feature. The solver rotates the normal of their contact as they
+// pass each other.
 fn is_round(a: sides::Side, b: sides::Side, feature: t::Feature) -> bool {
     return sides::max_curvature_radius(a, feature.a) < t::FLAT_RADIUS
         && sides::max_curvature_radius(b, feature.b) < t::FLAT_RADIUS;
@@ -122,7 +123,7 @@ fn arrives(
     if closing <= gap - motion.rest_offset {
         return true;
     }
-    // Both as parts of the motion.
+    // Both times are fractions of the motion.
     let time = min(gap / closing, 1.0);
     let course = Course(time * way, max(gap - time * closing, 0.0), time * time * deviation(a, b, motion, at));
     let tolerance = ARRIVAL_TOLERANCE * motion.rest_offset + setup.rounding;

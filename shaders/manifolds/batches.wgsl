@@ -1,7 +1,7 @@
 #define_import_path faceoff::batches
 
-// Contact points are made for a batch of the active pairs at a time, in the same lists. Of n batches number k has the pairs k,
-// n + k, 2 n + k and so on of their list: it is nearly in ascending order, and so all batches share a crowd.
+// Contact points are made for a batch of the active pairs at a time, in the same lists. Batch k of n has the pairs k, n
+// + k, 2 n + k and so on of their list. The list is nearly ascending, so all batches share a crowd.
 //
 // `batch` is the number of the batch and the number of batches.
 
@@ -21,7 +21,7 @@ fn pairs_in(batch: vec2<u32>) -> u32 {
     return divide_up(pairs - min(batch.x, pairs), batch.y);
 }
 
-// Adds the lengths of the lists of a batch to those of all, and zeroes them. For one thread.
+// Adds the lengths of a batch's lists to the totals, and zeroes them. For one thread.
 fn end_batch() {
     let pieces = contact_counters[t::NEAR_PIECES] + contact_counters[t::DEEP_PIECES];
     add(contact_counters[t::NEAR_TRIANGLES], t::MAX_NEAR_TRIANGLES, t::TOTAL_NEAR_TRIANGLES);

@@ -27,7 +27,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// From the centre of mass of the body to that of the collider, in world axes.
+// From the centre of mass of the body to the collider's, in world axes.
 fn offset_of(collider: u32) -> vec3<f32> {
     let contacts = body_contacts[collider];
     return vec3(contacts.offset_x, contacts.offset_y, contacts.offset_z);

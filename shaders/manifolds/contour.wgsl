@@ -200,7 +200,7 @@ fn label(thread: u32) {
 }
 
 // Orders the segments by contour. Contours come in the order of their first segments, and the segments of each in their own
-// order. Returns the number of contours that may have a patch: those of more than one segment, and those that end at a rim.
+// order. Returns the number of contours that may have a patch: contours of more than one segment, or that end at a rim.
 fn group_by_contour(a: sides::Side, b: sides::Side, has_rims: bool, thread: u32) -> u32 {
     var before = vec2(0u);
     for (var round = 0u; round < count; round += 64u) {
@@ -212,7 +212,7 @@ fn group_by_contour(a: sides::Side, b: sides::Side, has_rims: bool, thread: u32)
         }
         let earlier = before + before_threads(own, thread);
         if i < count {
-            // It grows to the end while segments are placed.
+            // This start grows to the end while segments are placed.
             atomicStore(&contour_links[end_of(i)], earlier.x);
         }
         if own.y == 1u {

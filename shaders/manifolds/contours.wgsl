@@ -5,11 +5,11 @@
 #import faceoff::types as t
 
 @group(0) @binding(2) var<storage, read> segments: array<t::Segment>;
-// Eight words per segment. A pair with n segments has: 4 n slots of a hash table of segment ends, by the crossing that
-// an end shares with the next segment (then the list of loose ends; then n segments in the order of contours, n ends of
-// contours in that order, and the first segments of contours); 2 n words, for each end its partner; n words, for each
-// segment its label, the number of the first segment known to belong to the same contour; n words, for each first segment
-// the number of segments in its contour.
+// Links of segments, eight words each. A pair with n segments has: 4 n slots of a hash table of segment ends, by the
+// crossing that an end shares with the next segment (then the list of loose ends; then n segments in the order of
+// contours, n ends of contours in that order, and the first segments of contours); 2 n words, for each end its partner;
+// n words, for each segment its label, the number of the first segment known to belong to the same contour; n words,
+// for each first segment the number of segments in its contour.
 @group(0) @binding(3) var<storage, read_write> contour_links: array<atomic<u32>>;
 
 // A bit of a partner: the end is loose, and its partner is only near it.

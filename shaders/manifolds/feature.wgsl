@@ -29,8 +29,8 @@ fn none() -> t::Feature {
     return feature;
 }
 
-// Whether a point in the plane of a triangle lies within the triangle, or outside by no more than rounding. No point is over a
-// degenerate one.
+// Whether a point in the plane of a triangle lies within the triangle, or outside by no more than rounding. No point is
+// over a degenerate triangle.
 fn is_over(side: sides::Side, over: sides::Triangle, foot: vec3<f32>, rounding: f32) -> bool {
     var next = sides::corner(side, over.number, 0u);
     for (var i = 0u; i < 3u; i += 1u) {

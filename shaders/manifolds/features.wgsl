@@ -1,10 +1,10 @@
 // Contact generation: the features and segments of nearby triangles. One workgroup per pair of bodies, one thread per
 // pair of triangles. The first round counts them; the second writes them in the order of the triangles.
 //
-// Without `DEEP`: features that touch or are apart, and segments. With it: features that overlap, near patches.
+// Without `DEEP`: features that touch or are apart, and segments. With `DEEP`: features that overlap, near patches.
 //
-// With `PIECES` there is one workgroup per piece of a pair that is split. It is called twice, to count and to write; in
-// between the pair's workgroup tells each piece where to write.
+// With `PIECES` there is one workgroup per piece of a pair that is split. The kernel is called twice, to count and to
+// write; in between the pair's workgroup tells each piece where to write.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
 #import faceoff::constants::manifolds::{MIN_AGREEMENT, MAX_DEPTH}
@@ -109,7 +109,7 @@ fn pieces() -> vec2<u32> {
 }
 
 #ifndef PIECES
-// The places of a pair's features and segments, of which this thread has found so many; `NOTHING` if they do not fit.
+// The places of a pair's features and segments, of which this thread has `found` so many; `NOTHING` if they do not fit.
 fn place_of(index: u32, found: vec2<u32>, thread: u32) -> vec2<u32> {
     let all = before_threads(found, thread) + found;
     if thread == 63u {
@@ -147,8 +147,8 @@ fn place_pieces(first: u32, count: u32, places: vec2<u32>, thread: u32) {
 }
 #endif
 
-// Finds the features and segments of a range of nearby triangles, and returns how many this thread has found. `writes`: they
-// are known, and written from these places on.
+// Finds the features and segments of a range of nearby triangles, and returns how many this thread has found. With
+// `writes` they are known, and are written from these places on.
 fn process(
     setup: t::PairSetup, first_near: u32, near_count: u32, first: vec2<u32>, thread: u32, writes: bool
 ) -> vec2<u32> {
@@ -239,7 +239,7 @@ fn triangle_pair(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: v
     return pair;
 }
 
-// Finds the features and the segment of two triangles, and returns their bit set; or writes those that are `known`.
+// Finds the features and the segment of two triangles, and returns their bit set; or writes the `known` ones.
 fn process_one(
     setup: t::PairSetup, a: sides::Side, b: sides::Side, at: u32, known: u32, place: vec2<u32>, writes: bool
 ) -> u32 {

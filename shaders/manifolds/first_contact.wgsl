@@ -1,11 +1,11 @@
-// Contact generation: where a pair first touches of which speculative points were dropped, because the bodies fly past each
-// other there. It may meet elsewhere: at an edge or a corner that no point stood for. If it does within the collision substep,
-// it gets the point at which the surfaces touch first, with the normal of that moment. One workgroup per pair of bodies, one
-// thread per pair of triangles. It does what `src/ccd/first_contact.rs` does, for the triangles within the margin, and for
-// colliders that turn about their own centres.
+// Contact generation: the first contact of a pair whose speculative points were dropped because the bodies fly past
+// each other there. The pair may meet elsewhere: at an edge or a corner without a point. If it does within the
+// collision substep, it gets the point at which the surfaces touch first, with the normal of that moment. One workgroup
+// per pair of bodies, one thread per pair of triangles. The twin of `src/ccd/first_contact.rs`, for the triangles
+// within the margin, and for colliders that turn about their own centres.
 //
-// Conservative advancement: two triangles cannot touch before the time that is their distance over a bound of the speed at
-// which they approach along it.
+// Conservative advancement: two triangles cannot touch before their distance over a bound of their approach speed along
+// it.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
 #import faceoff::closest::{Nearest, of_triangles}
@@ -25,7 +25,7 @@
 
 // Triangles that need more rounds slide along each other.
 const MAX_ADVANCES: u32 = 32u;
-// The tolerance is at least this many times the rounding.
+// Least tolerance, in units of the rounding.
 const MIN_ROUNDINGS: f32 = 8.0;
 
 // The earliest time of each thread, and the number of its pair of triangles.

@@ -15,7 +15,7 @@
 @group(0) @binding(4) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
 
-// Only this many components of a mesh are tested.
+// Most components of a mesh that are tested.
 const MAX_COMPONENTS: u32 = 1024u;
 
 // Bit set of the components of the inner body that are inside.

@@ -1,7 +1,8 @@
 // Contact generation: pairs of triangles that are near each other. One workgroup per pair of bodies traverses both
 // bounding-volume trees, eight children of one node against eight of another at a time, one thread each. It counts the
 // pairs and remembers where they are, and writes them once it knows their place in the list. If there are more than it
-// can remember, it traverses the trees again to write them. The order is that of the trees, whatever the order of threads.
+// can remember, it traverses the trees again to write them. The order of pairs follows the trees, whatever the order of
+// threads.
 //
 // A pair of large meshes may be split (`split.wgsl`). With `PIECES` there is one workgroup per piece of such a pair.
 #import faceoff::agree::agree
@@ -25,7 +26,7 @@
 @group(0) @binding(7) var<storage, read_write> near_pieces: array<t::NearPiece>;
 #endif
 
-// Pairs of nodes. Of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
+// Pairs of nodes. On each of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
 // Bit sets of the threads, in triplicate: one is in use, the next is cleared meanwhile, and threads that have not
 // passed the barrier may still read the last.

@@ -2,8 +2,8 @@
 // triangles. The first round counts them, the second writes them in the order of the triangles. The twin of
 // `src/manifolds/cpu/near_features.rs`.
 //
-// Features of one-sided triangles count only where the bodies are nearest, if they are nearer there than at all other features
-// of the pair. Features of two-sided ones count if they tell more than others of the same vertices and edges.
+// Features of one-sided triangles count only where the bodies are nearest, and only if no other feature of the pair is
+// nearer. Features of two-sided triangles count if they add to others of the same vertices and edges.
 #import faceoff::agree::agree
 #import faceoff::constants::manifolds::{BESIDE, NEARER}
 #import faceoff::dispatch::group_index
@@ -18,8 +18,8 @@
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> pair_setups: array<t::PairSetup>;
-// The two triangles. Then a word of which the lower half holds what `features.wgsl` has found, and the upper half the last of
-// the candidates that count; the others are in the last word.
+// The two triangles. Then a word whose lower half holds what `features.wgsl` has found, and whose upper half holds the
+// last of the candidates that count; the last word holds the others.
 @group(0) @binding(5) var<storage, read_write> near_triangles: array<vec4<u32>>;
 
 // Where `features.wgsl` has its bits of pairs of edges.
@@ -28,7 +28,7 @@ const EDGE_BITS_AT: u32 = 6u;
 var<workgroup> least: array<f32, 64>;
 var<workgroup> base: u32;
 
-// What this thread has found: features, and the least distance of those of one-sided triangles.
+// What this thread has found: features, and the least distance of features of one-sided triangles.
 var<private> found: u32;
 var<private> nearest: f32;
 
@@ -110,8 +110,7 @@ fn reserve(index: u32, count: u32) -> u32 {
     return select(t::NOTHING, next, held > 0u);
 }
 
-// The least distance of the points of the pair's other features. It is 0 if any overlaps, and where surfaces cross, which have
-// no distance.
+// The least distance of the points of the pair's other features. It is 0 if any feature overlaps or surfaces cross.
 fn distance_of_others(setup: t::PairSetup, thread: u32) -> f32 {
     var distance = select(t::DROPPED, 0.0, setup.segment_count > 0u);
     for (var i = thread; i < setup.feature_count; i += 64u) {
@@ -201,8 +200,8 @@ fn count_features(setup: t::PairSetup, a: sides::Side, b: sides::Side, at: u32, 
     near_triangles[at].w = known.x;
 }
 
-// Whether a feature of two-sided triangles counts. The features of a vertex that is nearer to a face of the other body do not, nor
-// those of edges that have another one.
+// Whether a feature of two-sided triangles counts. Features of a vertex that is nearer to a face of the other body do
+// not count, nor features of edges that have another feature.
 fn is_news(
     setup: t::PairSetup, a: sides::Side, b: sides::Side, entry: vec4<u32>, number: u32, feature: t::Feature
 ) -> bool {
@@ -221,7 +220,8 @@ fn is_news(
     return NEARER * least_separation(setup, vertex) - setup.rounding > feature.separation;
 }
 
-// Writes those features of a pair of triangles that count. Others of one-sided ones are farther apart than `most_of_solids`.
+// Writes the features of a pair of triangles that count. Features of one-sided triangles that do not count are farther
+// apart than `most_of_solids`.
 fn write_features(
     setup: t::PairSetup, a: sides::Side, b: sides::Side, at: u32, known: vec2<u32>, place: u32, most_of_solids: f32
 ) {

@@ -1,8 +1,8 @@
 #define_import_path faceoff::near_patches
 
-// The patches of a pair that reach a point. Patches follow each other along the trees, so a tree of spheres over their order
-// leaves out most: node q of level j covers patches 8^j q to 8^j (q + 1), and is kept in the patch at its start plus j - 1.
-// Nodes with a single child are left out.
+// The patches of a pair that reach a point. Patches are ordered along the meshes' trees, so a tree of spheres over that
+// order leaves out most: node q of level j covers patches 8^j q to 8^j (q + 1), and is kept in the patch at its start
+// plus j - 1. Nodes with a single child are left out.
 
 #import faceoff::math::max_component
 #import faceoff::types as t

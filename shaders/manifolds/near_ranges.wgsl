@@ -6,8 +6,8 @@
 
 @group(0) @binding(7) var<storage, read> near_pieces: array<t::NearPiece>;
 
-// Number of ranges, if there are so many pieces in all and their list holds no more than the limit. If not all fit, none has
-// told what it found.
+// Number of ranges if there are `pieces` pieces in all and their list holds no more than `limit`. If not all fit, no
+// piece has stored its results.
 fn range_count(setup: t::PairSetup, pieces: u32, limit: u32) -> u32 {
     let told = select(setup.near_count, 0u, pieces > limit);
     return select(1u, told, setup.is_split != 0u);

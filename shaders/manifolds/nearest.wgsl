@@ -1,8 +1,8 @@
 #define_import_path faceoff::nearest
 
 // Features between nearest points of two triangles: two corners, a corner and an edge, edges of any angle, and a corner over
-// the back of a two-sided face. The twin of `src/manifolds/cpu/nearest.rs`. All conditions are wider by the rounding, so that
-// features next to each other leave no gap: there both are found.
+// the back of a two-sided face. The twin of `src/manifolds/cpu/nearest.rs`. All conditions are wider by the rounding,
+// so that adjacent features leave no gap: both are found there.
 
 #import faceoff::arena::words
 #import faceoff::constants::manifolds::{ALONG, OUTSIDE}
@@ -11,9 +11,9 @@
 #import faceoff::sides
 #import faceoff::types as t
 
-// Numbers of candidates. First come nine pairs of corners. Then come nine of a corner of the first triangle and an edge of the
-// second, and nine the other way round; nine pairs of edges; three corners of the first over the back of the second, and
-// three the other way round. The number of a pair is three times that of what belongs to the first triangle, plus the other.
+// Numbers of candidates. Nine pairs of corners; nine pairs of a corner of the first triangle and an edge of the second,
+// and nine the other way round; nine pairs of edges; three corners of the first over the back of the second, and three
+// the other way round. The number of a pair is three times the first triangle's number plus the second's.
 const CORNER_EDGES: u32 = 9u;
 const EDGE_CORNERS: u32 = 18u;
 const EDGE_EDGES: u32 = 27u;
@@ -85,7 +85,8 @@ fn own_of(side: sides::Side, pair: TrianglePair) -> u32 {
     return select(pair.a.number, pair.b.number, side.mark != 0u);
 }
 
-// How far beside an edge, or beyond the end of one of this length, points still count as over the face, or beside the edge.
+// How far beside an edge, or beyond the end of an edge of this `length`, points still count as over the face, or beside
+// the edge.
 fn outside(way: f32, length: f32) -> f32 {
     return min(OUTSIDE * length, ALONG * way);
 }
@@ -147,8 +148,8 @@ fn edge_outward(edge: Edge) -> vec3<f32> {
     return -direction(edge.inward + edge.other_inward);
 }
 
-// The feature of a point of the first body and one of the second. If they touch, their way is rounding only, and the features
-// lie outward in these directions.
+// The feature of a point of the first body and one of the second. If they touch, the way between them is rounding only,
+// and these directions lead outward from the features.
 fn between(
     pair: TrianglePair, p: vec3<f32>, q: vec3<f32>, outward_a: vec3<f32>, outward_b: vec3<f32>, vertex: u32, origin: u32
 ) -> t::Feature {
@@ -267,8 +268,8 @@ fn of_edges(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l: u32
     if !(at_a >= 0.0 && at_a <= 1.0) {
         return none();
     }
-    // The nearest point of the second edge to that of the first: of edges that are all but parallel, the places on both have
-    // errors that this makes the same.
+    // The nearest point of the second edge to the first edge's point: for nearly parallel edges, the places on both
+    // have errors, which this makes equal.
     let p = start_a + along_a * at_a;
     let at_b = dot(p - start_b, along_b) / square_b;
     let q = start_b + along_b * at_b;

@@ -1,7 +1,7 @@
 #define_import_path faceoff::pair_motion
 
-// How the colliders of a pair move if nothing stops them, as far as the contact solver looks ahead: to the end of the collision
-// substep and one solver substep beyond. The twin of `src/state/travel.rs`.
+// The free motion of a pair's colliders as far as the contact solver looks ahead: to the end of the collision substep
+// and one solver substep beyond. The twin of `src/state/travel.rs`.
 
 #import faceoff::dispatch::divide_up
 #import faceoff::math::{conjugate, rotate, rotation_by}
@@ -24,7 +24,7 @@ struct Motion {
     rest_offset: f32,
 }
 
-// For how long a body moves, and the factor of its acceleration in its displacement; zero if it does not move.
+// How long a body moves, and the factor of its acceleration in its displacement; zero if it does not move.
 fn times_of(body: t::Body) -> vec2<f32> {
     if (body.flags & t::KIND_MASK) == t::STATIC || body.travel_time <= 0.0 {
         return vec2(0.0);
@@ -52,7 +52,7 @@ fn motion_of(setup: t::PairSetup) -> Motion {
     return motion;
 }
 
-// Displacement of the second body's material at a point, relative to that of the first there.
+// Displacement of the second body's material at a point relative to the first body's.
 fn way_at(a: sides::Side, b: sides::Side, motion: Motion, p: vec3<f32>) -> vec3<f32> {
     return motion.travel + cross(motion.turn_b, p - b.center) - cross(motion.turn_a, p - a.center);
 }

@@ -31,12 +31,12 @@ struct LowVertex {
     anchor: vec3<f32>,
     // Separation of the smooth surface for which the vertex stands.
     separation: f32,
-    // The anchor in the mesh's axes. Vertices of a cube are exactly as far from each other there as others, so that ties
-    // are decided by their order.
+    // The anchor in the mesh's axes. In these axes equal distances between vertices of a cube are exactly equal, so
+    // their order decides ties.
     position: vec3<f32>,
     // Radius of curvature of the surface in the direction of rolling; 0 at a corner.
     curvature_radius: f32,
-    // It stands for a smooth surface that touches elsewhere.
+    // Whether the vertex stands for a smooth surface that touches elsewhere.
     elsewhere: bool,
 }
 
@@ -135,7 +135,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     workgroupBarrier();
     let level = 2.0 * LEVEL * body.radius;
     var count = 1u;
-    // The first half are those that support the body.
+    // The first half of the points supports the body.
     for (var stage = 0u; stage < 2u; stage += 1u) {
         let limit = select(MAX_PLANE_POINTS / 2u, MAX_PLANE_POINTS, stage == 1u);
         let ceiling = select(floor_height + level, t::DROPPED, stage == 1u);
@@ -202,7 +202,7 @@ fn square_from_chosen(scale: vec3<f32>, p: vec3<f32>, count: u32) -> f32 {
     return least;
 }
 
-// Reduction to the largest value of all threads; of equal ones, that of the first vertex.
+// Reduction to the largest value of all threads; among equal ones, the first vertex's.
 fn greatest(value: f32, number: u32, thread: u32) {
     best[thread] = value;
     best_vertex[thread] = number;

@@ -25,7 +25,7 @@
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_at: array<u32, 64>;
 var<workgroup> chosen: array<u32, 16>;
-// The points of the chosen features, those of round surfaces, and their places in the manifold.
+// The points of the chosen features and of round surfaces, and their places in the manifold.
 var<workgroup> anchors: array<vec3<f32>, 16>;
 var<workgroup> normals: array<vec3<f32>, 16>;
 var<workgroup> states: array<u32, 16>;
@@ -70,8 +70,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// Gives the points their places, and returns the number of those that are kept. Smooth surfaces have one point where they
-// touch, not one of each vertex nearby.
+// Gives the points their places, and returns the number of kept points. A smooth surface has one point where it
+// touches, not one per nearby vertex.
 fn keep(setup: t::PairSetup, count: u32) -> u32 {
     let close = SAME_CONTACT * setup.size / setup.unit;
     var kept = 0u;
@@ -179,7 +179,7 @@ fn feature_at(setup: t::PairSetup, i: u32) -> u32 {
     return setup.first_meeting;
 }
 
-// Reduction to the largest value of all threads; of equal ones, that of the first thread.
+// Reduction to the largest value of all threads; among equal ones, the first thread's.
 fn greatest(value: f32, place: u32, thread: u32) {
     best[thread] = value;
     best_at[thread] = place;

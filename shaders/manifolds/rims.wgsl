@@ -12,9 +12,9 @@
 
 // The part of a rim that is in the other body.
 struct Rim {
-    // 0: there is none. 1: it is the first body's. 2: the second's.
+    // Owner of the rim: 0: no rim; 1: the first body; 2: the second.
     owner: u32,
-    // Its middle.
+    // Middle of the rim.
     middle: vec3<f32>,
     // From there to one end.
     half: vec3<f32>,
@@ -28,7 +28,7 @@ struct RimEdge {
     is_rim: bool,
     of_second: bool,
     triangle: u32,
-    // Its position in the triangle.
+    // Position in the triangle.
     k: u32,
 }
 
@@ -128,8 +128,8 @@ fn rim_of(
     return rim;
 }
 
-// The way on which a rim within a body leaves it: the mean of the normals of that surface along the contour, or from the rim's
-// `middle` to the contour's centre.
+// The direction in which a rim within a body leaves it: the mean of the body's normals along the contour, or from the
+// rim's `middle` to the contour's centre.
 fn way_out(
     other: sides::Side, range: vec2<u32>, other_is_first: bool, center: vec3<f32>, length: f32, middle: vec3<f32>, thread: u32
 ) -> vec3<f32> {

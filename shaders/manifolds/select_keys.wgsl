@@ -1,4 +1,4 @@
-// Contact generation, selection of pairs, first of three kernels: pairs of near solid bodies of which at least one has
+// Contact generation, selection of pairs, first of three kernels: pairs of near solid bodies, at least one of which has
 // mass. They are sorted by their second body, then by the first; other pairs get a key beyond all bodies. One thread
 // per pair.
 #import faceoff::dispatch::group_index

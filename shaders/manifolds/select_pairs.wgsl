@@ -1,5 +1,6 @@
-// Contact generation, selection of pairs, last of three kernels: the pairs in ascending order, with margins. Contact points
-// are found for active ones only, which are listed in any order; the others have empty slots at first. One thread per pair.
+// Contact generation, selection of pairs, last of three kernels: the pairs in ascending order, with margins. Contact
+// points are found for active pairs only, which are listed in any order; the others have empty slots at first. One
+// thread per pair.
 #import faceoff::contact_slots::slot_of_pair
 #import faceoff::dispatch::group_index
 #import faceoff::types as t

@@ -185,7 +185,7 @@ fn face(side: Side, number: u32) -> u32 {
     return words[record(side, number) + 14u];
 }
 
-// The placed k-th corner of a triangle. It is placed again wherever it is needed: corners of two triangles would take too
+// The placed k-th corner of a triangle. It is placed again at each use: stored corners of two triangles would take too
 // many registers.
 fn corner(side: Side, number: u32, k: u32) -> vec3<f32> {
     return place(side, vector(side.triangles + 9u * number + 3u * k));

@@ -8,8 +8,8 @@
 #import faceoff::sides
 #import faceoff::types as t
 
-// What a vertex is for a contact with a certain normal: a corner, which touches itself and rotates with the body; one that
-// stands for a smooth surface that touches nearer to other vertices; or one around which the surface touches.
+// The role of a vertex in a contact with a certain normal: a corner, which touches itself and rotates with the body; a
+// vertex of a smooth surface that touches nearer to other vertices; or a vertex around which the surface touches.
 const SHARP: u32 = 0u;
 const ELSEWHERE: u32 = 1u;
 const ROUND: u32 = 2u;

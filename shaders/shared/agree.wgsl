@@ -6,7 +6,7 @@
 
 var<workgroup> agreed: u32;
 
-// The first thread's value, for all threads. It has two barriers: what was written to workgroup memory before is visible
+// The first thread's value, for all threads. It has two barriers, so earlier writes to workgroup memory are visible
 // afterwards.
 fn agree(thread: u32, value: u32) -> u32 {
     if thread == 0u {

@@ -26,7 +26,8 @@ fn velocity(body: t::Body) -> vec3<f32> {
 }
 
 // Upper bound of the distance from the axis of rotation of collider `own`, through its centre of mass, at which `other` may
-// touch it, metres; no more than its bounding radius. `motion` bounds how far points of `other` move relative to that centre.
+// touch it, metres; no more than its bounding radius. `motion` bounds how far points of `other` move relative to the
+// centre of mass of `own`.
 fn arm(own: t::Body, other: t::Body, motion: f32) -> f32 {
     let w = own.angular_velocity;
     let turn = sqrt(dot(w, w));

@@ -14,7 +14,7 @@ fn carry_over(body: t::Body, last: t::Moved) -> t::Body {
     return next;
 }
 
-// A compound with what carries over from the last step.
+// `compound` as the host sent it, with what carries over from `last`.
 fn carry_over_compound(compound: t::Compound, last: t::Moved) -> t::Compound {
     let carried = compound.carried;
     var next = compound;

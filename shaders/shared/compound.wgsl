@@ -26,7 +26,7 @@ fn placed_part(body: t::Body, part: t::Part, motion: CompoundMotion) -> t::Body 
     return placed;
 }
 
-// From the compound's centre of mass to that of the collider, in world axes.
+// From the compound's centre of mass to the collider's, in world axes.
 fn offset_of(part: t::Part, motion: CompoundMotion) -> vec3<f32> {
     return rotate(motion.rotation, part.offset);
 }

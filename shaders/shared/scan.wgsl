@@ -31,8 +31,8 @@ fn of_last(thread: u32, value: u32) -> u32 {
     return last;
 }
 
-// For the first thread: `total`, or 0xffffffff, which no list can hold, if it has overflowed. `roughly` is the share of
-// each thread as a float. All 256 threads call it.
+// For the first thread: `total`, or 0xffffffff, which no list can hold, if the total has overflowed. `roughly` is the
+// share of each thread as a float. All 256 threads call it.
 fn checked_total(thread: u32, total: u32, roughly: f32) -> u32 {
     partial[thread] = bitcast<u32>(roughly);
     workgroupBarrier();

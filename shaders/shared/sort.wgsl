@@ -7,7 +7,8 @@ var<workgroup> next: array<u32, 256>;
 // Bit sets of the 256 threads that hold each digit: eight words per digit.
 var<workgroup> holders: array<atomic<u32>, 2048>;
 
-// Each thread calls it before the first `place`, with the position of the first key of the digit of its number.
+// Each thread calls this before the first `place`, with the position of the first key whose digit is the thread's
+// number.
 fn begin(thread: u32, first: u32) {
     next[thread] = first;
     for (var k = 0u; k < 8u; k += 1u) {

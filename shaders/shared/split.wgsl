@@ -1,8 +1,8 @@
 #define_import_path faceoff::split
 
-// Splits a pair of large meshes into pieces: pairs of nodes of bounded size whose boxes meet. The pair's workgroup of 64
-// threads opens the nodes above them, and each piece has a workgroup of its own. The pieces of a pair follow each other in
-// the order of the trees.
+// Splits a pair of large meshes into pieces: pairs of nodes of bounded size whose boxes meet. The pair's workgroup of
+// 64 threads opens the nodes above the pieces, and each piece has its own workgroup. The pieces of a pair are
+// contiguous, in the order of the trees.
 
 #import faceoff::agree::agree
 #import faceoff::arena::meshes
@@ -10,15 +10,15 @@
 #import faceoff::tree
 #import faceoff::types as t
 
-// A pair with at most so many pieces is not split: one workgroup is faster.
+// Most pieces with which a pair is not split: one workgroup is faster.
 const FEW: u32 = 16u;
 
-// Pairs of nodes. Of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
+// Pairs of nodes. On each of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
 var<workgroup> found: array<atomic<u32>, 2>;
 
 var<private> depth: u32;
-// Both nodes of a piece are at this level or a lower one.
+// Highest level of the nodes of a piece.
 var<private> level: u32;
 // Number of pieces so far.
 var<private> pieces: u32;
@@ -48,7 +48,7 @@ fn open(thread: u32) -> tree::Opened {
     return tree::open(stack[depth - 1u], thread);
 }
 
-// Keeps the opened pairs that meet. Returns the number of a thread's piece among those of the pair, or `NOTHING`.
+// Keeps the opened pairs that meet. Returns the number of a thread's piece within the pair, or `NOTHING`.
 fn keep(opened: vec2<u32>, meets: bool, thread: u32) -> u32 {
     if meets {
         atomicOr(&found[thread / 32u], 1u << (thread % 32u));

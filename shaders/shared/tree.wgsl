@@ -9,8 +9,7 @@
 
 const NUMBER: u32 = 0x0fffffffu;
 
-// For each level of both trees, first those of the first mesh, then those of the second: the index of its first word,
-// and its number of nodes.
+// For each level of the first mesh's tree, then of the second's: the index of its first word, and its number of nodes.
 var<workgroup> first: array<u32, 16>;
 var<workgroup> count: array<u32, 16>;
 
@@ -43,19 +42,19 @@ fn box_of(end: u32, node: u32) -> u32 {
 
 // A walk of one thread over a tree, from the root down.
 struct Walk {
-    // The node at hand.
+    // The current node.
     level: u32,
     number: u32,
-    // Its children have not been looked at.
+    // Whether the node's children have not been looked at.
     is_new: bool,
     // No node is left.
     is_done: bool,
-    // The children that are still to be opened, of the node at hand and of those above it: eight bits per level, the lowest
-    // level first.
+    // The children of the current node and of the nodes above it that are still to be opened: eight bits per level, the
+    // lowest level first.
     waiting: vec2<u32>,
 }
 
-// The walk at the root of a tree of so many levels.
+// The walk at the root of a tree of `levels` levels.
 fn walk(levels: u32) -> Walk {
     return Walk(levels - 1u, 0u, true, false, vec2(0u));
 }

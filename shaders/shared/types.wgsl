@@ -29,13 +29,13 @@ struct Step {
     drift: vec3<f32>,
     // Not 0: continuous collision needs every pair that may meet until the next detection.
     has_fast_bodies: u32,
-    // With more hits a list is too short: `hit_capacity`, or no limit where they are only counted.
+    // Most hits before a list is too short: `hit_capacity`, or no limit where they are only counted.
     hit_limit: u32,
     // Not 0: bodies and half-spaces have the numbers that they had in the last step.
     same_numbers: u32,
     // The length of a further list.
     piece_capacity: u32,
-    // Not 0: the step has passed through all collision substeps that it needs. More of them are recorded, and do nothing.
+    // Not 0: the step has passed through all collision substeps that it needs. Further recorded ones do nothing.
     is_over: u32,
     // Substeps of the contact solver in the whole step; 0 if it does not move the bodies.
     substeps: u32,
@@ -81,11 +81,11 @@ struct Body {
     // Not 0: its pairs with other inactive bodies keep the contact points of the last detection, where its number was
     // `source`. The constants tell why.
     inactive: u32,
-    // Number of its body: that of the body's first collider.
+    // Number of its body, which is the number of the body's first collider.
     body: u32,
     // How long it moves until the next detection, seconds; 0 if it has completed its step.
     travel_time: f32,
-    // Distance of its centre of mass from that of its body, metres: 0 unless the body has several colliders.
+    // Distance of its centre of mass from its body's, metres: 0 unless the body has several colliders.
     center_offset: f32,
     // Upper bounds of how the external force and torque accelerate its surface, m/s².
     force_acceleration: f32,
@@ -95,16 +95,16 @@ struct Body {
     padding: u32,
 }
 
-// It is static or asleep, and nothing about it has changed since the last step.
+// The collider is static or asleep, and nothing about it has changed since the last step.
 const RESTS: u32 = 1u;
-// It has completed its step, or it is static and the first collision substep is over.
+// The collider has completed its step, or it is static and the first collision substep is over.
 const COMPLETED: u32 = 2u;
 
 // A moving body whose colliders are placed in it. Its row in `moved` follows those of the colliders.
 struct Compound {
     // Position of its origin.
     position: vec3<f32>,
-    // Its number: that of its first collider.
+    // Number of the compound, which is the number of its first collider.
     collider: u32,
     // Unit quaternion.
     rotation: vec4<f32>,
@@ -132,9 +132,9 @@ struct Part {
     translation: vec3<f32>,
     // Number of the collider.
     collider: u32,
-    // From the axes of the mesh to those of the compound.
+    // Rotation from the axes of the mesh to the compound's.
     rotation: vec4<f32>,
-    // From the compound's centre of mass to that of the collider.
+    // From the compound's centre of mass to the collider's.
     offset: vec3<f32>,
     padding: u32,
 }
@@ -237,7 +237,7 @@ struct Division {
     travel: f32,
     // The largest number.
     most: u32,
-    // The number for which there are commands.
+    // The number of collision substeps for which there are commands.
     recorded: u32,
     padding: u32,
 }
@@ -245,7 +245,7 @@ struct Division {
 // A body in the sorted grid.
 struct GridEntry {
     center: vec3<f32>,
-    // Its speculative radius.
+    // Speculative radius of the collider.
     radius: f32,
     body: u32,
     level: i32,
@@ -274,7 +274,8 @@ struct NearPair {
     error: f32,
     // From a's centre of mass to b's, in a's axes.
     translation: vec3<f32>,
-    // The visible triangles of a: all, a group plus `VIEW_GROUP`, or those that face along or against the translation.
+    // The visible triangles of a: all, a group plus `VIEW_GROUP`, or triangles that face along or against the
+    // translation.
     view_a: u32,
     axis: vec3<f32>,
     view_b: u32,
@@ -373,7 +374,7 @@ struct BodyContacts {
     planes: u32,
     // Number of contacts of both kinds that apply an impulse to its body.
     active_contacts: u32,
-    // From the centre of mass of the body to that of the collider, in world axes. Zero unless the collider belongs to a
+    // From the centre of mass of the body to the collider's, in world axes. Zero unless the collider belongs to a
     // compound.
     offset_x: f32,
     offset_y: f32,
@@ -427,11 +428,11 @@ struct MarginPair {
     padding: u32,
 }
 
-// The relative pose of such a pair, and its ranges in the lists.
+// The relative pose of a margin pair, and its ranges in the lists.
 struct PairSetup {
     a: u32,
     b: u32,
-    // 0: there is no such pair.
+    // 0: the pair does not exist.
     valid: u32,
     unit: f32,
     // Rotation of the first body.
@@ -490,7 +491,7 @@ struct NearPiece {
     pair: u32,
     node_a: u32,
     node_b: u32,
-    // Its range among the pairs of triangles.
+    // Range of the piece among the pairs of triangles.
     first_near: u32,
     near_count: u32,
     // Numbers of features and segments; then the places of the first.
@@ -532,7 +533,7 @@ const OF_EDGES: u32 = 2u;
 const OF_VERTEX_EDGE: u32 = 3u;
 // Two vertices.
 const OF_VERTICES: u32 = 4u;
-// The vertex is that of the second body.
+// The vertex belongs to the second body.
 const VERTEX_OF_SECOND: u32 = 8u;
 // Where the positions of both edges in their triangles are.
 const FIRST_EDGE_SHIFT: u32 = 4u;

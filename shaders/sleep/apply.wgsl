@@ -1,4 +1,4 @@
-// Sleep: wakes the bodies of disturbed islands, or puts those of the others to sleep. One thread per collider.
+// Sleep: wakes the bodies of disturbed islands, or puts the bodies of the others to sleep. One thread per collider.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, collision_substep, motion_states}

@@ -1,5 +1,5 @@
-// Sleep: moving bodies wake those that they touch or will reach within the collision substep, and kinematic ones keep
-// those awake that they touch. A static or kinematic body that has changed wakes those on it. One thread per pair.
+// Sleep: moving bodies wake bodies that they touch or will reach within the collision substep, and kinematic bodies
+// keep touching bodies awake. A static or kinematic body that has changed wakes the bodies on it. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters}

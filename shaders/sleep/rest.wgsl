@@ -7,7 +7,7 @@
 
 // Advances the rest time of a body that has this speed and has moved for `dt` seconds.
 fn advance(i: u32, speed: f32, dt: f32) {
-    // Its step is completed.
+    // The body has completed its step.
     if dt == 0.0 {
         return;
     }
@@ -56,7 +56,7 @@ fn moves(i: u32) -> bool {
     return length_of(motion_states[i].last_moved, motion_states[i].last_turned, extent) > FREE_CREEP * size_of(extent);
 }
 
-// The size of which lengths are fractions, metres.
+// The size in metres of which allowed motions are fractions.
 fn size_of(extent: f32) -> f32 {
     return min(2.0 * extent, LARGEST);
 }

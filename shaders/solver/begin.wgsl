@@ -30,7 +30,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let pace = body_paces[i];
     var constants = body_constants_of(i, body, state, forces[i], pace);
     if pace == NO_PACE && (body.flags & t::KIND_MASK) != t::STATIC {
-        // Its contacts keep their points, whose anchors are in its axes of then.
+        // The body's contacts keep their points, whose anchors are in its axes of that time.
         constants.initial_rotation = body_constants[i].initial_rotation;
     }
     var mass: s::Mass;
@@ -58,7 +58,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         forces[i].angular_impulse = vec3(0.0);
     }
     if (mass.flags & s::HAS_MASS) == 0u {
-        // Its velocity is the same in all substeps.
+        // The body's velocity is the same in all substeps.
         velocity = m::limited_velocity(velocity, constants);
     }
     constants.flags = mass.flags;

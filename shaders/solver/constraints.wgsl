@@ -130,8 +130,8 @@ fn softness_of(kinematic: u32, other: u32) -> f32 {
     return select(1.0, clamp(softness, 1.0, SOFTEST), finite(softness));
 }
 
-// The number of the pace of a pair, by the flags of its bodies. Bodies that meet nearly always have the same: others meet only
-// if an impulse in this step changed a velocity beyond what was foreseen.
+// The number of the pace of a pair, by the flags of its bodies. Bodies that meet nearly always have the same pace. They
+// differ only if an impulse in this step changed a velocity beyond what was foreseen.
 fn pace_of_pair(first: u32, second: u32) -> u32 {
     let numbers = vec2(first, second) >> vec2(s::PACE_SHIFT);
     let has_mass = (vec2(first, second) & vec2(s::HAS_MASS)) != vec2(0u);
@@ -139,7 +139,7 @@ fn pace_of_pair(first: u32, second: u32) -> u32 {
     return select(0u, min(longest.x, longest.y), any(has_mass));
 }
 
-// From the centre of mass of a body to that of its collider, in world axes.
+// From the centre of mass of a body to its collider's, in world axes.
 fn offset_of(collider: u32, body: u32) -> vec3<f32> {
     let rotation = motion_states[body].rotation + motion_states[body].rotation_low;
     return rotate(rotation, solver_bodies[collider].offset);
@@ -154,8 +154,8 @@ fn surface_speed_of(i: u32) -> f32 {
 // The largest number of single precision.
 const MAX_COEFFICIENT: f32 = 3.4028234e38;
 
-// The combined coefficient of two bodies, by the rule that comes later in the order of `CombineRule`. `shift` is that
-// of the rule in the flags.
+// The combined coefficient of two bodies, by the rule that comes later in the order of `CombineRule`. `shift` locates
+// the rule in the flags.
 fn combined(shift: u32, first: u32, second: u32, x: f32, y: f32) -> f32 {
     // An infinite one is no bound where nothing presses.
     return min(combined_by(max((first >> shift) & 15u, (second >> shift) & 15u), x, y), MAX_COEFFICIENT);

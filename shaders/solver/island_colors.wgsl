@@ -1,13 +1,13 @@
 // Solver: colours the pairs of an island and sorts them by colour. Two pairs of one colour have no body in common that
 // impulses move, so they can be solved at once. One workgroup per island.
 //
-// In each round those pairs get a colour that have the smallest rank, with its bits reversed, of all pairs without a
-// colour at both of their bodies: the lowest colour that is free at both (Jones and Plassmann, "A Parallel Graph Coloring
-// Heuristic", 1993). The result does not depend on the order of threads. Ranks count within the island: if they were
-// the numbers of pairs, what happens elsewhere would change the order of passes, and a stack that they just hold would sway.
+// In each round a pair gets a colour if its rank, with its bits reversed, is the smallest among uncoloured pairs at
+// both of its bodies: the lowest colour that is free at both (Jones and Plassmann, "A Parallel Graph Coloring
+// Heuristic", 1993). The result does not depend on the order of threads. Ranks count within the island: with the
+// numbers of pairs, events elsewhere would change the order of passes, and a barely stable stack would sway.
 //
 // Pairs with a body that impulses do not move get the last colours: what is solved last is satisfied best, and nothing
-// may be pressed through what is static.
+// may be pressed through static bodies.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 

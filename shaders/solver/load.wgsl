@@ -57,7 +57,7 @@ fn transmitted_impulse(pair: s::SolverPair) -> vec3<f32> {
     return sum;
 }
 
-// Factor on the number of substeps of an island with this compression and so many points.
+// Factor on the number of substeps of an island with this compression and number of points.
 fn substep_factor(compression: f32, points: u32) -> u32 {
     let most = clamp(POINT_BUDGET / f32(max(points, 1u)), 1.0, MAX_FACTOR);
     return u32(ceil(clamp(sqrt(compression), 1.0, most)));

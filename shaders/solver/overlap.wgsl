@@ -14,7 +14,7 @@
 @group(0) @binding(4) var<storage, read> saved_pairs: array<s::SavedPair>;
 @group(0) @binding(5) var<storage, read> saved_points: array<s::SavedPoint>;
 
-// Only this many points of a pair are compared with each other.
+// Most points of a pair that are compared with each other.
 const MAX_COMPARED: u32 = 64u;
 
 const ORDINARY: u32 = 0u;
@@ -104,7 +104,7 @@ fn has_opposed_normals(pair: s::SolverPair, depth: f32) -> bool {
     return false;
 }
 
-// From the centre of mass of the first collider to that of the second.
+// From the centre of mass of the first collider to the second's.
 fn collider_offset(pair: s::SolverPair) -> vec3<f32> {
     return pair.center_offset + (pair.offset_b - pair.offset_a);
 }

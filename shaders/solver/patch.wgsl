@@ -151,7 +151,7 @@ fn corner_after(base: u32, corner: u32) -> u32 {
 
 struct FrictionCircle {
     center: vec2<f32>,
-    // By which factor friction is nearer to the centre than the corners; negative if there is no patch.
+    // Distance at which friction acts from the centre, over that of the corners; negative if there is no patch.
     scale: f32,
 }
 
@@ -182,8 +182,8 @@ fn friction_circle(base: u32, outline: Outline) -> FrictionCircle {
         return FrictionCircle(mean, 0.5);
     }
     let center = moment / area;
-    // The mean distance in a triangle from one corner is two thirds of that of the opposite side, which is found by
-    // Simpson's rule.
+    // The mean distance from a corner within a triangle is two thirds of the mean distance to the opposite side, which
+    // is found by Simpson's rule.
     var corner_distance = 0.0;
     var distance = 0.0;
     corner = outline.start;

@@ -24,7 +24,7 @@ fn pose_change_of(body: u32, time: f32) -> s::PoseChange {
     return s::PoseChange(velocity.linear * time, 0.0, rotation_by(velocity.angular * time));
 }
 
-// Updates separations, normals, anchors and effective masses. `time` is that of the poses.
+// Updates separations, normals, anchors and effective masses. `time` is the time of the poses.
 fn update_points(pair: s::SolverPair, time: f32) {
     let a = pose_change_of(pair.a, time);
     let b = pose_change_of(pair.b, time);
@@ -45,8 +45,8 @@ fn update_points(pair: s::SolverPair, time: f32) {
             let displacement_a = rotation_displacement(a.rotation, constants.curvature_center_a);
             let displacement_b = rotation_displacement(b.rotation, constants.curvature_center_b);
             let displacement = translation + displacement_b - displacement_a;
-            // The normal of curved surfaces that have not touched yet rotates as that of two balls that pass each
-            // other: their impulse acts along the normal at the moment of contact.
+            // The normal of curved surfaces that have not touched yet rotates as for two balls that pass each other:
+            // the impulse acts along the normal at the moment of contact.
             if constants.normal_rotation > 0.0 && (point_states[k].flags & s::TOUCHED) == 0u {
                 let rotated = constants.initial_normal + constants.normal_rotation * displacement;
                 let square = dot(rotated, rotated);

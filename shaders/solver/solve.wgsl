@@ -90,7 +90,7 @@ fn bias_of(pair: s::SolverPair, k: u32, parameters: Pass) -> Bias {
     }
     let spring_speed = parameters.bias_rate * separation;
     if (pair.flags & s::DEPENETRATING) != 0u {
-        // Near the surface the bias falls below the maximum, to that of the contact spring of other pairs.
+        // Near the surface the bias falls from the maximum to the bias of an ordinary contact spring.
         rigid.speed = max(spring_speed, -collision_substep.deep_depenetration_speed);
         return rigid;
     }
@@ -105,7 +105,7 @@ fn bias_of(pair: s::SolverPair, k: u32, parameters: Pass) -> Bias {
     return Bias(spring_speed, spring.mass_scale, spring.impulse_scale);
 }
 
-// The contact spring that is so many times as soft.
+// The contact spring that is softer by the factor `softness`.
 fn spring_of(parameters: Pass, softness: f32) -> Bias {
     if softness == 1.0 {
         return Bias(0.0, parameters.mass_scale, parameters.impulse_scale);
@@ -225,7 +225,7 @@ fn extrapolate(pair: PassPair, pair_velocities: ptr<function, c::PairVelocities>
     }
 }
 
-// The search direction is that of the last change.
+// The search direction starts as the last change.
 fn start_search(pair: PassPair) {
     for (var k = pair.first; k < pair.end; k += 1u) {
         point_states[k].search = point_states[k].change;

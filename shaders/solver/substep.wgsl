@@ -1,12 +1,12 @@
 // Solver: a collision substep of one island: its substeps, and the passes of each. The twin of `src/solver/substep.rs`.
 // One workgroup per island.
 //
-// A pass visits the pairs by colour: those of one colour at once, one thread each. Conditions of loops with barriers are
-// the same for all threads.
+// A pass visits the pairs by colour: pairs of one colour at once, one thread each. Conditions of loops with barriers
+// are the same for all threads.
 //
 // Between colours only the velocities of bodies go from thread to thread: the same thread visits the points of a pair in
-// each pass. A small island keeps these velocities in workgroup memory. On a card a barrier for storage buffers drops what
-// is cached of them, and after it the next colour would wait for memory at each point.
+// each pass. A small island keeps these velocities in workgroup memory. On a real GPU a barrier for storage buffers
+// drops their cached data, and the next colour would then wait for memory at each point.
 #import faceoff::constants::solver::{PASS_BUDGET, RESTITUTION_TOLERANCE, SUBSTEP_BUDGET}
 #import faceoff::contact as c
 #import faceoff::contact::{body_states, collision_substep, point_states, solver_pairs}
@@ -88,11 +88,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             scale_impulses(thread, island, 1.0 / f32(factor));
         }
     }
-    // The saved impulses are those of a substep of the common length.
+    // The saved impulses belong to a substep of the common length.
     scale_impulses(thread, island, f32(factor));
 }
 
-// The smallest number of a pace of all pairs: that of the longest collision substep.
+// The smallest pace number of all pairs, which is the pace with the longest collision substep.
 fn longest_pace(thread: u32, range: s::IslandRange) -> u32 {
     var least = 0xffffu;
     for (var k = range.first + thread; k < range.end; k += THREADS) {
@@ -160,7 +160,7 @@ fn end_color() {
 #endif
 }
 
-// The velocities of a pair's bodies, whose `places` are those of its `IslandPair`.
+// The velocities of a pair's bodies. `places` comes from its `IslandPair`.
 fn velocities_of(a: u32, b: u32, places: u32) -> c::PairVelocities {
     var result = c::velocities_of(a, b);
 #ifndef LARGE
@@ -265,7 +265,7 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
             }
             end_color();
         }
-        // The rate of the spring is proportional to that of the substeps.
+        // The rate of the spring is proportional to the rate of substeps.
         let bias_rate = island.pace.bias_rate * (island.pace.h / h);
         var parameters = v::Pass(
             h,
@@ -312,8 +312,8 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
     storageBarrier();
 }
 
-// Integrates the velocities of the bodies that a pair owns, or their poses. `h` is the length of a substep of the island,
-// and `dt` that of its collision substep. A body with another one moves in as many substeps.
+// Integrates the velocities of the bodies that a pair owns, or their poses. `h` is the length of a substep of the
+// island, and `dt` the length of its collision substep. A body with another length moves in as many substeps.
 fn integrate_bodies(k: u32, purpose: u32, h: f32, dt: f32) {
     let pair = solver_pairs[island_pairs[k].pair];
     for (var side = 0u; side < 2u; side += 1u) {

@@ -33,7 +33,7 @@ struct CollisionSubstep {
     padding_b: u32,
 }
 
-// How a body passes through a step that has so many collision substeps for it.
+// How a body with a given number of collision substeps passes through a step.
 struct Pace {
     // Length of a substep, seconds.
     h: f32,
@@ -45,7 +45,7 @@ struct Pace {
     bias_rate: f32,
     mass_scale: f32,
     impulse_scale: f32,
-    // Its acceleration per metre, 1/s^2.
+    // Acceleration by the contact spring per metre, 1/s^2.
     stiffness: f32,
     padding: u32,
 }
@@ -146,20 +146,20 @@ struct BodyConstants {
     padding_b: f32,
 }
 
-// It is neither static nor asleep, its motion is finite, and it has not completed its step.
+// The body is neither static nor asleep, its motion is finite, and it has not completed its step.
 const MOVES: u32 = 1u;
-// Impulses change its velocity.
+// Impulses change the body's velocity.
 const HAS_MASS: u32 = 2u;
-// Its inertia is the same about all axes.
+// The body's inertia is the same about all axes.
 const ISOTROPIC: u32 = 4u;
-// Its numbers are finite.
+// The body's numbers are finite.
 const FINITE: u32 = 8u;
 // First bit of the locked axes: x, y, z of translation, then of rotation.
 const LOCKED: u32 = 8u;
 
-// An island solves it.
+// An island solves the body.
 const SOLVED: u32 = 16u;
-// It is static or has completed its step.
+// The body is static or has completed its step.
 const COMPLETED: u32 = 32u;
 // First bit of the number of its pace.
 const PACE_SHIFT: u32 = 16u;
@@ -224,7 +224,7 @@ struct SolverPair {
     approach_velocity: vec3<f32>,
     // Upper bound for the sum of both surface speeds relative to the centres, m/s.
     surface_speed: f32,
-    // From each body's centre of mass to that of its collider, in world axes.
+    // From each body's centre of mass to its collider's, in world axes.
     offset_a: vec3<f32>,
     collider_a: u32,
     offset_b: vec3<f32>,
@@ -245,7 +245,7 @@ struct SolverPair {
     padding_c: u32,
 }
 
-// Its numbers are valid. Its impulses are saved even if it is frozen.
+// The pair's numbers are valid. Its impulses are saved even if it is frozen.
 const VALID: u32 = 1u;
 // No impulse moves either body: the pair is not solved.
 const FROZEN: u32 = 2u;
@@ -296,7 +296,7 @@ struct Row {
     // The velocity along the row that is wanted, negated, m/s.
     bias: f32,
     moment_b: vec3<f32>,
-    // Change of the relative velocity by a unit impulse. Both tangents have that of the one that gives way more.
+    // Change of the relative velocity by a unit impulse. Both tangents have the larger of their two values.
     inverse_effective_mass: f32,
     // The changes of angular velocity by these moments.
     angular_response_a: vec3<f32>,
@@ -330,19 +330,19 @@ struct PointState {
     second_tangent_row: Row,
 }
 
-// Its numbers are valid, and it is part of the constraint.
+// The point's numbers are valid, and it is part of the constraint.
 const POINT_VALID: u32 = 1u;
-// It is solved in this substep.
+// The point is solved in this substep.
 const POINT_ACTIVE: u32 = 2u;
-// It had no impulse at the start of the substep, so an impulse now is an impact.
+// The point had no impulse at the start of the substep, so an impulse now is an impact.
 const MAY_IMPACT: u32 = 4u;
-// It has an impact in this substep, with restitution.
+// The point has an impact in this substep, with restitution.
 const HAS_IMPACT: u32 = 8u;
-// Its velocity after the impacts of this substep is at least the reversed one.
+// The point's velocity after the impacts of this substep is at least the reversed one.
 const REBOUNDS: u32 = 16u;
-// It has had an impulse in this collision substep or at the end of the last one.
+// The point has had an impulse in this collision substep or at the end of the last one.
 const TOUCHED: u32 = 32u;
-// It has had restitution in this collision substep: the bodies separate.
+// The point has had restitution in this collision substep: the bodies separate.
 const BOUNCED: u32 = 64u;
 
 // A pair as it is saved for the next collision substep, by the present numbers of its colliders.
@@ -387,7 +387,7 @@ struct IslandRange {
 
 // A pair of an island, sorted by colour.
 struct IslandPair {
-    // Its number among `solver_pairs`.
+    // Number of the pair among `solver_pairs`.
     pair: u32,
     // See the constants below.
     flags: u32,

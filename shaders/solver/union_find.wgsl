@@ -6,7 +6,7 @@
 struct Island {
     // A body closer to the root of the island, or the root itself. The root has the smallest number.
     parent: atomic<u32>,
-    // For sleep: the bodies that it touches, as the sum of their keys.
+    // For sleep: the bodies that this body touches, as the sum of their keys.
     neighbours: atomic<u32>,
     // For sleep, of a root, not 0: the island stays awake, or must wake.
     disturbed: atomic<u32>,

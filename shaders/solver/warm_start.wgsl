@@ -77,7 +77,7 @@ fn default_constants() -> s::PointConstants {
     return constants;
 }
 
-// Without impulses, and not valid. Rows are set before they are read.
+// Sets a point without impulses that is not valid. Rows are set before they are read.
 fn clear_point(k: u32) {
     point_states[k].normal = vec3(1.0, 0.0, 0.0);
     point_states[k].separation = 0.0;
@@ -166,7 +166,7 @@ fn find_impulses(pair: s::SolverPair) {
             let saved = saved_points[saved_pair.first + found];
             let impulse = impulse_scale * saved.normal_impulse;
             point_states[k].normal_impulse = impulse;
-            // This impulse belongs to the last collision substep, so it does not count in this one's total.
+            // The saved impulse belongs to the last collision substep, so it does not count in this one's total.
             point_states[k].total_normal_impulse = -impulse;
             point_states[k].flags |= s::TOUCHED;
             let friction = impulse_scale * o::saved_sign(pair) * saved.friction_impulse;

@@ -14,7 +14,8 @@
 fn main() {
     let needed = counters[t::NEEDED_SUBSTEPS];
     let done = tally[t::COLLISION_SUBSTEPS];
-    // The search before has used them. The counters of the triangle test stay: it runs in the first collision substep only.
+    // The previous search has used these counters. The counters of the triangle test stay: it runs in the first
+    // collision substep only.
     tally[t::MAX_SPHERE_PAIRS] = max(tally[t::MAX_SPHERE_PAIRS], counters[t::SPHERE_PAIRS]);
     counters[t::LEVELS] = 0u;
     counters[t::LEVELS + 1u] = 0u;
@@ -26,7 +27,7 @@ fn main() {
         counters[t::SKIPPED] = 1u;
     }
     if done > 0u {
-        // The first collision substep has seen how they differ from those of the last step.
+        // The first collision substep has handled the changes of the planes since the last step.
         step[0].planes_changed = 0u;
     }
     if done >= needed {

@@ -25,7 +25,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let compound = compounds[number];
     let state = motion_states[compound.collider];
     let asleep = state.asleep;
-    // It has slept since the step began, so it keeps its pose to the bit.
+    // The compound has slept since the step began, so it keeps its pose to the bit.
     let rests = asleep != 0u && (bodies[compound.collider].inactive & t::RESTS) != 0u;
     let v = state.linear_velocity;
     let w = state.angular_velocity;

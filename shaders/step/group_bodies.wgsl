@@ -1,5 +1,5 @@
-// Begin of a step that may need several collision substeps: what each solid body adds to its group, but for its rotation,
-// and whether it can meet a half-space. One thread per collider.
+// Begin of a step that may need several collision substeps: what each solid body adds to its group, except its
+// rotation, and whether it can meet a half-space. One thread per collider.
 #import faceoff::dispatch::group_index
 #import faceoff::meeting::{add_spin, add_thickness, add_velocity, set_exists}
 #import faceoff::solver_types as s

@@ -1,5 +1,5 @@
-// Begin of a step that may need several collision substeps: in which groups bodies can meet each other, or something static,
-// and how fast they turn there. One thread per pair.
+// Begin of a step that may need several collision substeps: the groups in which bodies can meet each other, or
+// something static, and how fast they turn there. One thread per pair.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::arm::arm_within
 #import faceoff::constants::shared::TREE_LEVELS
@@ -47,7 +47,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 }
 
 // Adds the speed at which the surface of a body moves relative to its centre of mass where `other` may touch it within the
-// step. No part of it moves faster than `most`. The twin of `spin_near` in `src/step/reach.rs`.
+// step. No part of the surface is faster than `most`. The twin of `spin_near` in `src/step/reach.rs`.
 fn add_spin_near(root: u32, most: f32, body: t::Body, other: t::Body) {
     // Another surface of the group moves as fast.
     if most <= bitcast<f32>(atomicLoad(&meetings[root].spin)) {

@@ -27,7 +27,7 @@ fn set_exists(root: u32) {
     atomicStore(&meetings[root].exists, 1u);
 }
 
-// Adds another group to that of `root`.
+// Adds another group to the group of `root`.
 fn add_group(root: u32, other: u32) {
     for (var axis = 0u; axis < 3u; axis += 1u) {
         atomicMax(&meetings[root].highest[axis], atomicLoad(&meetings[other].highest[axis]));
@@ -53,8 +53,9 @@ fn relative_speed(root: u32) -> f32 {
     return speed;
 }
 
-// The number of collision substeps that a group needs in a step of `dt` seconds. In each of them no two of its surfaces move
-// farther relative to each other than a part of its thinnest body. The twin of `Speeds::collision_substeps_for`.
+// The number of collision substeps that a group needs in a step of `dt` seconds. In each of them no two surfaces of the
+// group move farther relative to each other than a part of its thinnest body. The twin of
+// `Speeds::collision_substeps_for`.
 fn count_substeps(root: u32, division: t::Division, dt: f32) -> u32 {
     if atomicLoad(&meetings[root].exists) == 0u {
         return 1u;

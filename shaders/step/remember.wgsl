@@ -1,5 +1,6 @@
 // Integrate of a step with contacts, last: saves the solver's memory for the next step, unless this one has to be
-// repeated. A step at rest leaves the memory as it is, to the bit: what sleeps wakes the same after any number of steps.
+// repeated. A step at rest leaves the memory as it is, to the bit: sleeping bodies wake the same after any number of
+// steps.
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 

@@ -6,7 +6,7 @@
 #import faceoff::paces::NO_PACE
 #import faceoff::types as t
 
-// Whether a body with a pace of this number has completed its step after so many collision substeps. What is static has.
+// Whether a body with this pace has completed its step after this many collision substeps; true for static bodies.
 fn has_completed(pace: u32, collision_substeps: u32) -> bool {
     return pace == NO_PACE || collision_substeps > pace;
 }

@@ -17,13 +17,13 @@ struct Start {
     last: t::Moved,
     carried: u32,
     kind: u32,
-    // Its centre of mass in its own axes.
+    // Centre of mass in the body's own axes.
     center: vec3<f32>,
     radius: f32,
 }
 
-// `host` is the state that the host knows, `known` that after the last step. What is not dynamic never sleeps; if it has
-// changed other than by its velocity, it wakes others.
+// `host` is the state that the host knows, `known` the state after the last step. Bodies that are not dynamic never
+// sleep; if they have changed other than by their velocity, they wake others.
 fn state_at_start(host: s::MotionState, known: s::MotionState, start: Start) -> s::MotionState {
     let motion = start.motion;
     let carried = start.carried;

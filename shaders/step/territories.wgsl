@@ -3,11 +3,11 @@
 //
 // Such groups are at different times of the step while it runs, so their bodies must not come near each other at any
 // time. The territory of a group is a box around all places that its bodies may reach, even if impulses within the group
-// turn and speed them up. Groups whose territories overlap are joined, unless both have the same number. Here only groups
-// with several collision substeps have a box: each other body is compared with them by itself.
+// turn and speed them up. Groups whose territories overlap are joined, unless both have the same number. Here only
+// groups with several collision substeps have a box: each other body is compared with them individually.
 //
-// A joined group may reach farther, so all are compared again, in rounds: in each of them all groups are joined that are
-// near each other at its start. So the result does not depend on the order of threads.
+// A joined group may reach farther, so all are compared again, in rounds: each round joins all groups that are near
+// each other at its start. So the result does not depend on the order of threads.
 #import faceoff::constants::reach::{MAX_COMPARISONS, MAX_SPEED_GAIN}
 #import faceoff::math::{ascending, descending, max_component}
 #import faceoff::meeting::{add_group, count_substeps, meetings, relative_speed}
@@ -16,7 +16,7 @@
 #import faceoff::union_find::{join, root_of}
 
 const THREADS: u32 = 256u;
-// With more groups that have several collision substeps, or after so many rounds, all bodies get the largest number.
+// Most groups with several collision substeps, and most rounds; beyond these all bodies get the largest number.
 const MAX_TERRITORIES: u32 = 64u;
 const MOST_ROUNDS: u32 = 8u;
 

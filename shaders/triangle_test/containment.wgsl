@@ -110,7 +110,7 @@ fn left(p: vec2<f32>, q: vec2<f32>) -> bool {
     let swapped = q.x < p.x || (q.x == p.x && q.y < p.y);
     let u = select(p, q, swapped);
     let v = select(q, p, swapped);
-    // Two products are compared and not subtracted: a compiler may fuse a product with a subtraction, and that in one of
-    // this function's copies and not in another. On the line, the origin counts as displaced to one side.
+    // Two products are compared and not subtracted: a compiler may fuse a product with a subtraction in one of this
+    // function's copies and not in another. On the line, the origin counts as displaced to one side.
     return (u.x * v.y >= u.y * v.x) != swapped;
 }

@@ -1,7 +1,6 @@
 // TriangleTest: one workgroup per pair traverses both bounding-volume trees. It tests eight children of one node
 // against eight of another at a time, one thread each, and finally eight triangles against eight. Candidates wait in a
-// queue until there is work for all threads. The order of the results is that of the trees, whatever the order of
-// threads.
+// queue until there is work for all threads. The order of the results follows the trees, whatever the order of threads.
 //
 // A pair of large meshes may be split (`split.wgsl`). With `PIECES` there is one workgroup per piece of such a pair, whose
 // results `join.wgsl` puts together.
@@ -27,7 +26,7 @@
 @group(0) @binding(9) var<storage, read_write> pieces: array<t::Piece>;
 #endif
 
-// Pairs of nodes. Of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
+// Pairs of nodes. On each of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
 // Pairs of triangles. Fewer than 64 wait when up to 64 are added.
 var<workgroup> queue: array<vec2<u32>, 128>;

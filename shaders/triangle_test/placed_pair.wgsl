@@ -1,7 +1,7 @@
 #define_import_path faceoff::placed_pair
 
-// A pair of bodies in the axes of the first, relative to its centre of mass. Lengths are in the pair's unit. The rest of
-// bodies and meshes is read where it is needed: copies would take too many registers.
+// A pair of bodies in the axes of the first, relative to its centre of mass. Lengths are in the pair's unit. Other data
+// of bodies and meshes is read at each use: copies would take too many registers.
 
 #import faceoff::arena::{meshes, vector}
 #import faceoff::math::{absolute, rotate, unit_of}

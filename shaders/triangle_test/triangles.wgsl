@@ -36,7 +36,7 @@ fn reach(c: Corners) -> f32 {
     return norm1(high(c) - low(c));
 }
 
-// `error` is that of a coordinate; `reach` is the sum of those of this triangle and the other.
+// `error` is the error of a coordinate; `reach` is the sum of both triangles' reaches.
 fn triangle(c: Corners, error: f32, reach: f32) -> Triangle {
     let u = c.q - c.p;
     let v = c.r - c.p;
@@ -65,7 +65,7 @@ struct Chord {
     low_at: f32,
     high: vec3<f32>,
     high_at: f32,
-    // Error bound of the points, in addition to that of coordinates.
+    // Error bound of the points, besides the error bound of the coordinates.
     error: f32,
 }
 

@@ -48,15 +48,15 @@ const MAX_STATIC_FILLS: usize = 12;
 /// Bodies per task.
 const TASK: usize = 512;
 
-/// With fewer pairs than one for so many bodies, sorting by comparison takes less time than counting.
+/// Bodies per pair above which sorting by comparison takes less time than counting.
 const BODIES_PER_PAIR: usize = 16;
 
-/// A body searches several levels of two grids. In a crowd about so many of these searches end early.
+/// A body searches several levels of two grids. In a crowd about this many of these searches end early.
 const SEARCHES: usize = 4;
 
 /// Writes the pairs of bodies that may collide and whose speculative spheres overlap into `sphere_pairs`: `a < b`,
-/// ascending. If there are more than `limit`, no search of a body finds more than a certain number of pairs, which is the
-/// same for all and as large as the limit allows to a factor of two. Returns the bodies of which pairs are left out.
+/// ascending. If there are more than `limit`, all searches of bodies are capped at the same number of pairs, which is
+/// within a factor of two of what the limit allows. Returns the bodies that lose pairs.
 pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_pairs: &mut Vec<[u32; 2]>) -> Crowd {
     let Scratch {
         moving_grid,
@@ -81,8 +81,8 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     let is_static = |i: usize| kind[i] == RigidBody::Static;
     let all = 0..kind.len() as u32;
     members.clear();
-    // A body that saved impulses or forces beyond all measure have thrown out of the numbers within this step. It has no
-    // pairs; the next step rejects it.
+    // Huge saved impulses or forces may give a body a position that is not finite within this step. It has no pairs,
+    // and the next step rejects it.
     let is_sound = |i: usize| center[i].is_finite() && speculative_radius[i].is_finite();
     members.extend(bodies.movers().filter(|&i| is_sound(i)).map(|i| i as u32));
     moving_grid.fill(members, center, speculative_radius);
@@ -129,7 +129,7 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
             sphere_pairs.clear();
             return Crowd::of(vec![0]);
         }
-        // All pairs are the same in any order of the grids, but those of searches that end early are not.
+        // The full set of pairs is the same in any order of the grids. Searches that end early depend on the order.
         for (grid, wants_static) in [(&mut *moving_grid, false), (&mut *static_grid, true)] {
             if wants_static && grid.is_canonical() {
                 continue;
@@ -207,7 +207,7 @@ fn search(
     most: MostPairs,
 ) -> usize {
     let tasks = moving.ids.len().div_ceil(TASK);
-    // Where all static bodies are in the grid, none is in that of loose ones.
+    // If all static bodies are in their grid, the grid of loose ones is empty.
     let all_fixed = loose.ids.is_empty();
     let is_fixed = |i: u32| all_fixed || !bodies.static_changes.is_loose(i);
     let is_dormant = |i: u32| bodies.dormant.has(i as usize);
@@ -318,7 +318,7 @@ impl Finder {
                 continue;
             }
             if own.is_coarsened {
-                // Each pair once, from the body that comes first.
+                // Each pair is found once, from its first body.
                 self.search_level([moving_grid; 2], own, some.clone(), bodies, |i| i + 1, |_| true);
             } else {
                 self.own_level(moving_grid, own, some.clone(), bodies);
@@ -329,8 +329,8 @@ impl Finder {
         }
     }
 
-    /// Finds the pairs of the bodies of the first grid in `range` with those of the second in levels that `searches` allows, by the
-    /// numbers of both levels, where the pair `counts`.
+    /// Finds the pairs that `counts` admits, between bodies of the first grid in `range` and bodies of the second grid
+    /// in levels that `searches` allows. It gets the numbers of both levels.
     fn pairs_between(
         &mut self,
         [own_grid, other]: [&Grid; 2],
@@ -405,8 +405,8 @@ impl Finder {
     }
 }
 
-/// Adds a pair to `found` if it may collide. Returns whether the search goes on; if there are already `end`, the pair's
-/// first body is crowded instead.
+/// Adds a pair to `found` if it may collide. If there are already `end` pairs, its first body is added to `crowded`
+/// instead. Returns whether the search goes on.
 fn add([a, b]: [u32; 2], bodies: &Bodies, end: usize, found: &mut Vec<[u32; 2]>, crowded: &mut Vec<u32>) -> bool {
     let pair = [a.min(b), a.max(b)];
     if !may_collide(bodies, pair) {

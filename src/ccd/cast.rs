@@ -1,4 +1,4 @@
-//! The first touch of two meshes, of which one moves along a line without turning.
+//! The first touch of two meshes, one of which moves along a line without turning.
 //!
 //! The search is that of continuous collision detection. But where a pair of triangles would advance step by step to a
 //! target distance, the caller computes in closed form when it touches. So the result has no tolerance, and meshes that
@@ -12,8 +12,7 @@ use crate::simd::lanes::Simd;
 use crate::simd::level::with_simd;
 use glam::{DQuat, DVec3, Vec3};
 
-/// Times are told apart if the meshes move by this fraction of the smaller radius between them. They only give the search
-/// its order.
+/// Resolution of times: the meshes move by this fraction of the smaller radius. Times only give the search its order.
 const TICK: f64 = 1.0e-3;
 
 /// One mesh of a pair at the start.
@@ -27,8 +26,8 @@ pub(crate) struct Moving<'a> {
     pub radius: f64,
 }
 
-/// Calls `touch` with pairs of triangles that may touch while the second mesh moves by `travel`, those that may touch early
-/// first. It returns the fraction of the way, 0 to 1, beyond which pairs are no longer of interest.
+/// Calls `touch` with pairs of triangles that may touch while the second mesh moves by `travel`, early ones first.
+/// `touch` returns the fraction of the path, 0 to 1, beyond which pairs are no longer of interest.
 pub(crate) fn cast([a, b]: &[Moving; 2], travel: DVec3, scratch: &mut Scratch, touch: &mut dyn FnMut([u32; 2]) -> f64) {
     let search = Search {
         sides: [a.side(DVec3::ZERO), b.side(travel)],

@@ -1,8 +1,8 @@
-//! Where pairs first touch that contact generation found to fly past each other.
+//! The first contact of pairs that contact generation found to fly past each other.
 //!
-//! Such a pair has speculative points on planes that it crosses beyond the surface, so that they were dropped. It may meet
-//! elsewhere: at an edge or a corner that no point stood for. If it does within the collision substep, its manifold gets
-//! the point at which the surfaces touch first, with the normal of that moment.
+//! Such a pair had speculative points on planes that it crosses beyond the surface, and they were dropped. It may meet
+//! elsewhere: at an edge or a corner without a point. If it does within the collision substep, its manifold gets the
+//! point at which the surfaces touch first, with the normal of that moment.
 
 use super::search::{Outcome, Scratch};
 use super::time_of_impact::search;

@@ -19,7 +19,7 @@ use std::collections::BinaryHeap;
 #[derive(Default)]
 pub struct ImpactScratch {
     workers: PerThread<Scratch>,
-    /// For each pair the time of its next impact, infinite if there is none.
+    /// For each pair, the time of its next impact; infinite if there is none.
     times: Vec<f64>,
     /// For each pair whether its bodies no longer stop each other.
     ignored: Vec<bool>,
@@ -27,7 +27,7 @@ pub struct ImpactScratch {
     members: Vec<u32>,
     places: Vec<[u32; 2]>,
     pairs_of: PairsOf,
-    /// The motion of each of them, once there is an impact.
+    /// The motion of each member, once there is an impact.
     motions: Motions,
     upcoming: BinaryHeap<Reverse<Upcoming>>,
     /// Numbers of the pairs whose time must be recomputed, and the new times.
@@ -42,14 +42,14 @@ pub struct Impact {
     pub body: u32,
     /// Fraction of its motion before the impact, 0 to 1.
     pub fraction: f32,
-    /// Its pose at the end of the collision substep.
+    /// Pose at the end of the collision substep.
     pub end: Pose,
 }
 
 /// For each place in the list of bodies the numbers of its pairs.
 #[derive(Default)]
 struct PairsOf {
-    /// Where those of each place end, once all are there.
+    /// Where the pairs of each place end, once all are added.
     ends: Vec<u32>,
     pairs: Vec<u32>,
 }
@@ -83,17 +83,18 @@ impl PartialEq for Upcoming {
 impl Eq for Upcoming {}
 
 /// How often the target distance is halved for bodies that start within it. A body that was stopped before starts
-/// there, and contacts do not remove all of a bullet's speed at once: a sheet may be thinner than the rest of its
-/// motion. For bodies that start within the smallest target distance as well, each of these searches ends at its first
-/// visit.
+/// within it, and contacts do not remove all of a bullet's speed at once: a sheet may be thinner than the rest of the
+/// bullet's motion. For bodies that start within the smallest target distance as well, each of these searches ends at
+/// its first visit.
 const MAX_HALVINGS: u32 = 12;
 
 /// Writes into `impacts`, in the order of bodies, which of the `continuous` bodies collide with others in the collision
 /// substep, when, and their poses at its end.
 ///
 /// Two bodies collide at their [`time_of_impact`](super::time_of_impact()). After that they lose their relative motion:
-/// * A continuous body that collides with one that is not is carried by it to the end of the collision substep. The
-///   other body completes its own motion, so it does not tunnel through the first one, however thin that is.
+/// * A continuous body that collides with a body that is not continuous is carried by it to the end of the collision
+///   substep. The other body completes its own motion, so it does not tunnel through the first one, however thin that
+///   is.
 /// * Two continuous bodies that collide continue without rotation, at the common velocity that conserves momentum. A
 ///   body that collides with a group of bodies that move together joins it.
 /// * Bodies that are carried may collide with further bodies, and so on; impacts are handled in the order of time. A

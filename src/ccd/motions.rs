@@ -17,10 +17,10 @@ pub(super) struct Motion {
     pub from: f64,
     /// From then to the end of the collision substep.
     pub sweep: Sweep,
-    /// Bodies of the same group move together. Its name is the place of the body that carries the others, if there is one,
-    /// otherwise the smallest place in it.
+    /// Bodies of the same group move together. The group's name is the place of the body that carries the others, if
+    /// there is one, otherwise the smallest place in it.
     pub group: u32,
-    /// Time of its first impact, infinite if there is none.
+    /// Time of the first impact; infinite if there is none.
     pub first_impact: f64,
     /// How often it has slid along a body that it touches.
     pub slides: u32,
@@ -30,9 +30,9 @@ pub(super) struct Motion {
 #[derive(Default)]
 pub(super) struct Motions {
     pub all: Vec<Motion>,
-    /// For each of them the next in its group, in a ring, as long as its group is not carried.
+    /// For each motion, the next one in its group, in a ring, while the group is not carried.
     next: Vec<u32>,
-    /// The places of those that have changed in this impact.
+    /// The places of motions that have changed in this impact.
     pub changed: Vec<u32>,
     /// Scratch: the places in some groups.
     group: Vec<u32>,
@@ -139,9 +139,10 @@ impl Motions {
         }
     }
 
-    /// From `time` on the body at a place, a group of its own, slides along that at the place `carrier`, whose surface it
-    /// touches there: it only does not come nearer. `normal` leads from that surface to the body, at the start of the collision
-    /// substep. From its second slide on it turns with the carrier: if it spins, its next corner would meet the surface at once.
+    /// From `time` on the body at a place, a group of its own, slides along the body at the place `carrier`, whose
+    /// surface it touches: it only does not come nearer. `normal` leads from that surface to the body, at the start of
+    /// the collision substep. From its second slide on the body turns with the carrier, because the next corner of a
+    /// spinning body would meet the surface at once.
     pub fn slide(
         &mut self,
         ground: &Ground<impl Fn([u32; 2]) -> bool>,

@@ -26,9 +26,9 @@ use std::collections::BinaryHeap;
 /// Largest number of visited pairs of nodes or triangles. Then the search stops and returns the time it has reached.
 const MAX_VISITS: u32 = 1 << 16;
 
-/// After so many visits the search restarts from the roots, at the time it has reached, with a larger limit. Small
+/// After this many visits the search restarts from the roots, at the time it has reached, with a larger limit. Small
 /// nodes are efficient if a hit follows soon. But when bodies rotate, many small parts approach and recede before any
-/// two meet, and for those that recede larger nodes are enough.
+/// two meet, and larger nodes suffice for receding parts.
 const VISITS_BEFORE_RESTART: u32 = 192;
 
 /// Memory that is reused between searches.
@@ -65,9 +65,9 @@ pub struct Search<'a> {
 pub enum Outcome {
     /// The bodies stay apart.
     Apart,
-    /// They are within the target distance at the start.
+    /// The meshes are within the target distance at the start.
     InitiallyClose,
-    /// They reach the target distance.
+    /// The meshes reach the target distance.
     Hit(Hit),
 }
 

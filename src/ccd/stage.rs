@@ -13,7 +13,8 @@ use std::f64::consts::TAU;
 /// gap, so that bodies that slide along each other are not stopped.
 const TARGET_DISTANCE: f32 = 0.25;
 
-/// Bodies whose gap is smaller than this touch, in units of that distance: one and a half times the gap of bodies at rest.
+/// Bodies with a smaller gap than this touch, in units of the target distance: one and a half times the gap of bodies
+/// at rest.
 const TOUCHING: f32 = 1.5 / TARGET_DISTANCE;
 
 /// Impacts of the step so far, and memory that is reused.
@@ -28,7 +29,7 @@ pub(crate) struct Ccd {
     impact_scratch: ImpactScratch,
     /// The impacts of the last collision substep.
     impacts: Vec<Impact>,
-    /// For each body whether it had an impact in any collision substep of the step.
+    /// For each body, whether it had an impact in any collision substep of the step.
     had_impact: Vec<bool>,
     sensor_pairs: Vec<[u32; 2]>,
     sensor_scratch: SensorScratch,
@@ -52,12 +53,11 @@ impl Ccd {
         self.had_impact.get(i) == Some(&true)
     }
 
-    /// Moves those of `solver_bodies` that are continuous and have an impact in the collision substep back to the pose
-    /// after it.
+    /// Moves continuous `solver_bodies` with an impact in the collision substep back to the pose after the impact.
     ///
     /// `bodies` have the poses from the start of the collision substep, and `manifolds` the contact points. `pairs` are
-    /// the pairs whose paths may cross. Pairs that overlap are left to contacts, and those that were `dropped` pass through each
-    /// other, also those with planes. Calls `on_sensor_touch` with each pair of a sensor and another body, one of them
+    /// the pairs whose paths may cross. Pairs that overlap are left to contacts, and `dropped` pairs pass through each
+    /// other, also pairs with planes. Calls `on_sensor_touch` with each pair of a sensor and another body, one of them
     /// continuous, that touch on their paths, and with the first contact.
     pub fn run(
         &mut self,
@@ -185,8 +185,8 @@ impl Ccd {
     }
 }
 
-/// Takes from a body what gravity and the external force gave it for a way that it has not gone, because another body held it
-/// after its impact: energy from nothing.
+/// Takes from a body the energy that gravity and the external force gave it for a path that it has not travelled,
+/// because another body held it after its impact.
 fn take_unearned(motion: &mut SolverMotion, bodies: &Bodies, config: &StepConfig, impact: &Impact, sweep: &Sweep) {
     let i = impact.body as usize;
     let (fraction, left) = (f64::from(impact.fraction), 1.0 - f64::from(impact.fraction));
@@ -197,7 +197,7 @@ fn take_unearned(motion: &mut SolverMotion, bodies: &Bodies, config: &StepConfig
     // Relative to what holds it, or along which it slides.
     let way = impact.end.center - sweep.at(fraction).center;
     let acceleration = bodies.acceleration(i, config.gravity).as_dvec3();
-    // Energies are those of a kilogram.
+    // Energies are per kilogram.
     let unearned = acceleration.dot(left * sweep.travel - way);
     let carried = way / held;
     let velocity = motion.linear_velocity.as_dvec3() - carried;

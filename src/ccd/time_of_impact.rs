@@ -14,8 +14,8 @@ const TOLERANCE: f64 = 0.125;
 const MIN_TOLERANCE: f64 = 1.0e-6;
 
 /// The time, 0 to 1, at which two moving bodies of `bodies` first come nearer to each other than `target_distance`
-/// metres; `None` if they do not. Their own poses are ignored: `sweeps` have their poses and motion. The pair are two
-/// colliders, and the sweeps those of their bodies.
+/// metres; `None` if they do not. Their own poses are ignored: `sweeps` have their poses and motion. `pair` names two
+/// colliders; `sweeps` are those of their bodies.
 ///
 /// * The time is never late: before it no two points of the two surfaces are nearer than `target_distance`, up to
 ///   rounding.

@@ -51,7 +51,7 @@ pub fn safe_time(a: &[DVec3; 3], b: &[DVec3; 3], relative: &Relative, target: Ta
 }
 
 /// Upper bounds for the motion of any point of a triangle along a direction, by a rotation about the centre of mass.
-/// Each bound is that of a corner: the other points lie between the corners.
+/// The bounds of the corners suffice: all other points lie between them.
 struct RotationBounds {
     initial_speed: f64,
     max_acceleration: f64,

@@ -65,8 +65,8 @@ impl<S: Simd> Triangles<S> {
         }
     }
 
-    /// The safe times of triangle `i` of these, which are the first body's, and each of `others`, which are the
-    /// second's, as fractions of the collision substep.
+    /// The safe times of triangle `i` of these, of the first body, and each of `others`, of the second, as fractions of
+    /// the collision substep.
     #[inline(always)]
     pub fn safe_times(&self, i: usize, others: &Self, relative: &Rounded) -> [f32; 8] {
         let simd = self.radius.simd;

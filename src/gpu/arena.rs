@@ -29,12 +29,12 @@ struct Resident {
 /// Maximum number of levels of a mesh's bounding-volume tree. Each box has eight children.
 pub const TREE_LEVELS: u32 = 8;
 
-/// A pair of meshes is large, and may be split into pieces, if the product of their numbers of triangles is larger than this:
-/// that of two meshes of 1,024. On an H200, 2,200 knots of 1,120 triangles took 7.9 ms in each contact generation as whole pairs,
-/// and 2.3 ms in pieces: the step waits for the few pairs that overlap deeply.
+/// A pair of meshes is large, and may be split into pieces, if the product of their triangle counts is larger than
+/// this: two meshes of 1,024 triangles. On an H200, 2,200 knots of 1,120 triangles took 7.9 ms in each contact
+/// generation as whole pairs, and 2.3 ms in pieces: the step waits for the few pairs that overlap deeply.
 pub const LARGE_PAIR: u32 = 1 << 20;
 
-/// Pieces of pairs with a mesh of so many levels, which has more than 262,144 triangles, are larger than those of others.
+/// Pairs with a mesh of this many levels, which has more than 262,144 triangles, have larger pieces.
 pub const VAST_LEVELS: u32 = 7;
 
 /// Whether some mesh is so large that there may be large pairs.
@@ -78,8 +78,7 @@ impl Arena {
         })
     }
 
-    /// Updates the contents to those of `meshes`, and returns the necessary writes. Meshes that are there already keep
-    /// their place.
+    /// Updates the contents to match `meshes`, and returns the necessary writes. Known meshes keep their place.
     ///
     /// # Errors
     /// If the tree of a mesh has more levels than the kernels support.

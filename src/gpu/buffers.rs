@@ -13,7 +13,7 @@ pub struct Capacity {
     pub bodies: u32,
     /// Bodies whose colliders are placed in them.
     pub compounds: u32,
-    /// Their colliders.
+    /// Colliders of compounds.
     pub parts: u32,
     /// Planes.
     pub planes: u32,
@@ -47,7 +47,7 @@ pub(crate) fn grow(has: u32, needs: u32) -> u32 {
 pub struct TooLarge {
     /// What it contains.
     pub what: &'static str,
-    /// Its length, bytes.
+    /// Length of the list, bytes.
     pub bytes: u64,
     /// The device's limit, bytes.
     pub limit: u64,
@@ -181,15 +181,16 @@ buffers! {
     Buffers(Capacity), |capacity| {
         /// Parameters of the step.
         step: UNIFORM Step, 1u32, "step";
-        /// As the host sends them. A step starts with a copy, because a kernel writes which collision substeps are needed.
+        /// The step as the host sends it. A step starts with a copy, because a kernel writes which collision substeps
+        /// are needed.
         sent_step: ARRAY Step, 1u32, "step as sent";
         bodies: ARRAY Body, capacity.bodies, "bodies";
-        /// As the host sends them. A step starts with a copy, because kernels write the poses.
+        /// Bodies as the host sends them. A step starts with a copy, because kernels write the poses.
         sent_bodies: ARRAY Body, capacity.bodies, "bodies as sent";
         /// Copy for rendering.
         before: ARRAY Body, capacity.bodies, "bodies before the step";
         compounds: ARRAY Compound, capacity.compounds, "compounds";
-        /// As the host sends them.
+        /// Compounds as the host sends them.
         sent_compounds: ARRAY Compound, capacity.compounds, "compounds as sent";
         /// Colliders of compounds. Those of one compound are contiguous.
         parts: ARRAY Part, capacity.parts, "colliders of compounds";
@@ -225,7 +226,7 @@ buffers! {
     }
 }
 
-/// The size of a buffer, at least that of one element of any kind.
+/// The size of a buffer: at least one element of any kind.
 pub(crate) fn check(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<u64, TooLarge> {
     let limit = longest_list(gpu);
     if bytes > limit {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use thiserror::Error;
 use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, InstanceFlags, Limits, Queue};
 
-/// A device of our own, or that of Bevy's renderer. Clones refer to the same device.
+/// A device of our own, or the device of Bevy's renderer. Clones refer to the same device.
 ///
 /// Put every call into an error scope, and do not set the device's callbacks: on a shared device these belong to the
 /// renderer, and an error that reaches them ends the app.

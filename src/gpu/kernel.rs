@@ -55,7 +55,7 @@ pub struct Binding {
     pub name: String,
     /// How the kernel accesses it.
     pub access: Access,
-    /// The WGSL type; for arrays that of the elements.
+    /// The WGSL type; for arrays, the type of the elements.
     pub element: String,
 }
 
@@ -228,8 +228,8 @@ impl Kernels {
 }
 
 impl Gpu {
-    /// Compiles kernels that import from these modules, except those that the device has already, on all cores. A kernel
-    /// is known by its name. The device keeps none of them if one fails.
+    /// Compiles kernels that import from these modules on all cores, except kernels that the device has already. A
+    /// kernel is known by its name. If one fails, the device keeps none.
     ///
     /// # Errors
     /// The message of the compiler or of the device.

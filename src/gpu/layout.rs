@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 
 /// The element type of an array on the device.
 pub trait Element: Pod {
-    /// Its name in WGSL.
+    /// Name of the type in WGSL.
     const WGSL: &'static str;
 }
 
@@ -53,7 +53,7 @@ macro_rules! layout {
 /// The layout of a struct.
 #[derive(Clone, Copy, Debug)]
 pub struct Struct {
-    /// Its name, the same in both languages.
+    /// Name of the struct, the same in both languages.
     pub name: &'static str,
     /// Size, bytes.
     pub size: usize,
@@ -305,7 +305,7 @@ constants! {
 
     // Bits of `Body::carried` and `Compound::carried`: what carries over from the last step, in which the body had the
     // number `source`.
-    /// The rotation is that of `moved[source]`; otherwise it is the one that the host sent.
+    /// The rotation comes from `moved[source]`; otherwise from the host.
     u32 CARRIED_ROTATION = 1;
     /// The body was in that step, and its centre of mass is at the same place in its axes. If its pose is that of
     /// `moved[source]`, its centre of mass has not moved.
@@ -329,7 +329,7 @@ constants! {
     u32 OVERLAPPING = 2;
 
     // Bits of `Mesh::flags`.
-    /// It can contain other bodies.
+    /// The body can contain other bodies.
     u32 SOLID = 1;
     u32 ORIENTATION_MASK = 6;
     u32 OUTWARD = 0;
@@ -382,9 +382,9 @@ constants! {
 
     /// This bit of `Hit::pair` marks the number of a piece.
     u32 OF_PIECE = 0x8000_0000;
-    /// This bit of a vertex or edge number marks those of the second body of a pair.
+    /// This bit of a vertex or edge number marks the second body of a pair.
     u32 OF_SECOND = 0x8000_0000;
-    /// In place of a vertex or triangle number: there is none.
+    /// Stands for no vertex or triangle number.
     u32 NOTHING = 0xffff_ffff;
     /// In place of an infinite radius of curvature: infinity is not portable in WGSL.
     f32 FLAT_RADIUS = 1.0e30;
@@ -423,8 +423,8 @@ constants! {
     u32 ACTIVE_PAIRS = 22;
     u32 CONTACT_COUNTERS = 24;
 
-    // Slots of `contact_arguments`: a workgroup per pair of the batch at hand, per 64 of them, per 64
-    // slots, per block of the scan of slots.
+    // Slots of `contact_arguments`: a workgroup per pair of the current batch, per 64 of these, per 64 slots, per block
+    // of the scan of slots.
     u32 GROUPS_PER_BATCH_PAIR = 0;
     u32 GROUPS_PER_64_BATCH_PAIRS = 1;
     u32 GROUPS_PER_64_SLOTS = 2;

@@ -63,7 +63,7 @@ impl StoredKernels {
         })
     }
 
-    /// Writes the file if there are other kernels than it holds. That it cannot be written is no error.
+    /// Writes the file if the kernels differ from those that it holds. A failure to write is no error.
     pub(super) fn store(&self, gpu: &Gpu) {
         let Ok(Some(data)) = scoped(gpu, || self.cache.get_data()) else {
             return;
@@ -125,7 +125,7 @@ fn write(file: &Path, digest: blake3::Hash, data: &[u8]) -> io::Result<()> {
     let new = folder.join(format!("{}.{number}.new", std::process::id()));
     let written = fs::write(&new, [digest.as_bytes(), data].concat()).and_then(|()| fs::rename(&new, file));
     if written.is_err() {
-        // It may not be there.
+        // The file may not exist.
         let _ = fs::remove_file(&new);
     }
     written

@@ -24,9 +24,9 @@ pub enum Groups {
 }
 
 impl Groups {
-    /// One workgroup of 64 threads per 64 elements, of which the device counts no more than `at_most`. For short lists it
-    /// is as many as there may be, because superfluous workgroups return at once and cost less than what wgpu does for an
-    /// indirect dispatch.
+    /// One workgroup of 64 threads per 64 elements, of which the device counts no more than `at_most`. Short lists get
+    /// the largest possible number, because superfluous workgroups return at once and cost less than what wgpu does for
+    /// an indirect dispatch.
     pub fn per_64(at_most: u32, counted: Self) -> Self {
         if at_most <= SHORT {
             Self::Exactly(at_most.div_ceil(64))

@@ -11,10 +11,10 @@ use wgpu::{Buffer, BufferAsyncError, BufferDescriptor, BufferUsages, BufferView,
 /// Why a device did not do its work.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum DeviceError {
-    /// It has no memory left. A new device would have none either.
+    /// The device has no memory left. A new device would have none either.
     #[error("out of memory: {0}")]
     OutOfMemory(String),
-    /// It is lost, or refuses a call.
+    /// The device is lost, or refuses a call.
     #[error("{0}")]
     Failed(String),
 }
@@ -45,8 +45,8 @@ impl From<wgpu::Error> for DeviceError {
 /// Runs `work` in error scopes. Errors outside of a scope would make Bevy end the app.
 ///
 /// # Errors
-/// The error, if there is one; that the device is lost, if wgpu panics. Of several errors that of memory: what does not
-/// exist for want of it is invalid in every later call.
+/// The error, if there is one; that the device is lost, if wgpu panics. Of several errors, an out-of-memory error comes
+/// first: what could not be allocated is invalid in every later call.
 pub fn scoped<T>(gpu: &Gpu, work: impl FnOnce() -> T) -> Result<T, DeviceError> {
     let filters = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation];
     let scopes = filters.map(|filter| gpu.device.push_error_scope(filter));

@@ -38,16 +38,16 @@ pub enum Length {
 pub struct Scan {
     /// Contains the number of values, and receives the total.
     pub counters: &'static str,
-    /// Each value is replaced by the sum of all before it.
+    /// Values, each of which is replaced by the sum of all before it.
     pub values: &'static str,
     /// Scratch memory: one word per [`BLOCK`] values.
     pub sums: &'static str,
 }
 
 impl Scan {
-    /// Adds the calls. `counter` is the index of the counter that determines the number of values, `total` that of the
-    /// one that receives the total. There are at most `at_most` values. `groups` is the workgroup count of the kernels
-    /// over blocks.
+    /// Adds the calls. `counter` is the index of the counter that determines the number of values; `total` is the index
+    /// of the counter that receives the total. There are at most `at_most` values. `groups` is the workgroup count of
+    /// the kernels over blocks.
     pub fn record(
         &self,
         calls: &mut Calls,

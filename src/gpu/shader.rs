@@ -10,9 +10,9 @@ use std::fmt::Write;
 /// The shaders of a stage.
 #[derive(Debug)]
 pub struct Shaders {
-    /// Modules that its kernels, and those of later stages, import. A module may import those before it.
+    /// Modules that this stage's and later stages' kernels import. A module may import modules before it.
     pub modules: &'static [Module],
-    /// Its kernels.
+    /// The stage's kernels.
     pub kernels: &'static [&'static Kernel],
 }
 

@@ -19,7 +19,7 @@ pub struct Timer {
 
 /// Time stamps per collision substep.
 const COUNT: u32 = 2 * Stage::ALL.len() as u32;
-/// Their size, bytes.
+/// Size of a collision substep's time stamps, bytes.
 pub const BYTES: u32 = 8 * COUNT;
 
 impl Timer {

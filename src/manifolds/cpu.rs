@@ -61,7 +61,7 @@ impl Scratch {
         self.kept = KeptPairs::default();
     }
 
-    /// Returns memory, but for that of what pairs keep.
+    /// Returns memory, except what pairs keep.
     pub(super) fn renew(&mut self) {
         (self.tasks, self.workers) = Default::default();
         self.kept.shrink();
@@ -72,15 +72,15 @@ impl Scratch {
         self.kept.has_large_pair()
     }
 
-    /// Whether what a pair keeps shows that no faces intersect now, and that neither body contains the other. It never shows
-    /// that of bodies that touch.
+    /// Whether what a pair keeps proves that no faces intersect now and that neither body contains the other. Always
+    /// `false` for bodies that touch.
     pub(super) fn is_apart(&self, bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> bool {
         let kept = self.kept.get(pair).filter(|kept| kept.was_apart);
         kept.is_some_and(|kept| pair_of_bodies(bodies, meshes, pair).is_some_and(|pair| kept.is_apart(&pair)))
     }
 
-    /// Tells that bodies have new indices since the last call; pairs for which there are none are gone. This saves work
-    /// and changes no result. The order of the pairs must stay the same.
+    /// Sets the new indices of bodies since the last call. Pairs without new indices are gone. This saves work and
+    /// changes no result. The order of the pairs must stay the same.
     pub(crate) fn renumber(&mut self, renumbered: impl Fn([u32; 2]) -> Option<[u32; 2]>) {
         self.kept.renumber(renumbered);
     }

@@ -36,12 +36,13 @@ impl Scratch {
         self.meshes.is_apart(bodies, meshes, pair)
     }
 
-    /// The pairs of which the last call of [`find`] dropped speculative points, because they fly past each other there.
+    /// The pairs whose speculative points the last call of [`find`] dropped because the bodies fly past each other
+    /// there.
     pub fn dropped(&self) -> &[[u32; 2]] {
         &self.dropped
     }
 
-    /// Returns memory, but for that of the last manifolds and of what pairs keep.
+    /// Returns memory, except the last manifolds and what pairs keep.
     pub fn renew(&mut self) {
         (self.pairs, self.found, self.planes) = Default::default();
         self.before.shrink();
@@ -49,9 +50,9 @@ impl Scratch {
     }
 }
 
-/// Writes the manifolds of all active pairs that respond to contacts into `manifolds`, in collision substep `number`; of pairs
-/// with planes those that are `wanted`. `intersects` tells which pairs had intersecting faces at the start of the step. The
-/// previous manifolds are kept for [`reuse`].
+/// Writes the manifolds of all active pairs that respond to contacts into `manifolds`, in collision substep `number`,
+/// and those of `wanted` pairs with planes. `intersects` tells which pairs had intersecting faces at the start of the
+/// step. The previous manifolds are kept for [`reuse`].
 pub(crate) fn find(
     number: u32,
     config: &StepConfig,
@@ -99,8 +100,8 @@ pub(crate) fn find(
 /// [`SolverSettings::collision_substep_travel`](crate::types::solver_settings::SolverSettings::collision_substep_travel).
 const DEEP_TRAVEL: f32 = 2.0;
 
-/// How the points of a near pair are found in a step with this number. A pair that overlaps, and is slow for its group, keeps
-/// its points until its surfaces have moved too far.
+/// How to find the points of a near pair in the step with this number. An overlapping pair that is slow for its group
+/// keeps its points until its surfaces have moved too far.
 fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPair, intersects: bool) -> Wanted {
     let &NearPair {
         bodies: pair, margin, ..

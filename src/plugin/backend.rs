@@ -52,7 +52,7 @@ pub enum ActiveBackend {
     Gpu {
         /// Name and graphics API of the adapter.
         adapter: String,
-        /// Whether the device is that of Bevy's renderer.
+        /// Whether the device belongs to Bevy's renderer.
         shared: bool,
     },
     /// A device is being opened and kernels are being compiled. Bodies do not move yet.
@@ -212,7 +212,7 @@ impl Engine {
         } else {
             let (thread, to_open) = (std::thread::Builder::new(), (source.clone(), kernels.clone()));
             let opening = thread.name("faceoff kernels".into());
-            // With the kernels of contacts, whose compilation would delay the first step that needs them.
+            // Includes the kernels of contacts, whose compilation would delay the first step that needs them.
             match opening.spawn(move || to_open.0.open(software, true, &to_open.1)) {
                 Ok(opening) => self.opening = Some(opening),
                 Err(_) => self.opened(source.open(software, false, &kernels)),
@@ -430,7 +430,7 @@ impl Engine {
         }
     }
 
-    /// Submits a step, and waits for the results of the one `latency` steps before, if there is one.
+    /// Submits a step, and waits for the results of the step `latency` steps before, if there is one.
     ///
     /// `None` if the device failed. Then run the step again, according to [`Engine::latent`], with nothing carried
     /// over.

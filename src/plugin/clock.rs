@@ -60,7 +60,7 @@ impl Default for Physics {
 /// The largest relative speed of `Time<Physics>`. It limits the number of steps in one tick of fixed time.
 pub const MAX_SPEED: f32 = 100.0;
 
-/// Controls of `Time<Physics>`, in addition to those that every `Time` has.
+/// Controls of `Time<Physics>`, in addition to the methods of every `Time`.
 pub trait PhysicsTime {
     /// Pauses the clock: no body moves from the next tick of fixed time on. What you write to components in the
     /// meantime takes effect when the clock runs again.
@@ -85,10 +85,9 @@ pub trait PhysicsTime {
 
     /// Sets how fast time passes for bodies relative to fixed time. Default 1.
     ///
-    /// Each tick of fixed time runs the smallest number of equal steps of which none is longer than the fixed timestep:
-    /// one step of a quarter of the timestep at 0.25, two whole steps at 2, three steps at 2.5. So slow motion is
-    /// smooth, and fast motion costs more but is as accurate. At integer speeds steps give the same results to the bit
-    /// as at 1.
+    /// Each tick of fixed time runs the smallest number of equal steps that are no longer than the fixed timestep: one
+    /// step of a quarter of the timestep at 0.25, two whole steps at 2, three steps at 2.5. So slow motion is smooth,
+    /// and fast motion costs more but is as accurate. At integer speeds, results are the same to the bit as at 1.
     ///
     /// At 0 no step runs, and pending results of a GPU are published as by [`PhysicsTime::pause`].
     ///

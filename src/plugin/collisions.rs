@@ -47,7 +47,7 @@ pub struct Collisions {
 /// Two colliders that touch, or a collider and a plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision<'a> {
-    /// The smaller collider, or that which touches a
+    /// The smaller collider, or the collider that touches a
     /// [`PlaneCollider`](crate::plugin::components::PlaneCollider).
     pub collider1: Entity,
     /// The other collider, or the plane.
@@ -62,9 +62,10 @@ pub struct Collision<'a> {
     pub contained: bool,
     /// The contact, reduced to one point in the world. The normal points from the first collider to the second.
     pub contact: Contact,
-    /// Intersecting face pairs with their common segments in the world, if the step was asked for them by
-    /// [`FaceLists`](crate::plugin::settings::FaceLists); else `None`. Faces are indices into the source meshes; those of
-    /// `collider1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
+    /// Intersecting face pairs with their common segments in the world, if
+    /// [`FaceLists`](crate::plugin::settings::FaceLists) asks for them; else `None`. Faces are indices into the source
+    /// meshes; `a` is a face of `collider1`. Empty if the two are only near each other, like bodies at rest, and for
+    /// planes.
     pub faces: Option<&'a [FacePair]>,
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
     /// that did not push have impulse 0.
@@ -97,7 +98,7 @@ impl Collisions {
         }
     }
 
-    /// The contacts of bodies that were in the last step, and of those for which it did nothing.
+    /// The contacts of bodies that were in the last step, and of dormant bodies.
     fn both(&self) -> [&Contacts; 2] {
         [&self.contacts, &self.dormant_contacts]
     }
@@ -212,8 +213,8 @@ impl Collisions {
     /// relative speed of the two. With both responses the margin of a collider and a plane is a hundredth of the collider's
     /// diameter, and grows with its speed.
     ///
-    /// In the order of the step: first pairs of colliders, then colliders (first) with planes (second). Of a pair the static
-    /// collider comes first, else the smaller one. Sensors have no manifolds, and
+    /// In the order of the step: first pairs of colliders, then colliders (first) with planes (second). Within a pair
+    /// the static collider comes first, else the smaller one. Sensors have no manifolds, and
     /// [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
     ///
     /// # A solver of your own
@@ -229,10 +230,11 @@ impl Collisions {
     /// * **The next step adds gravity** to the velocities, [`Gravity`](crate::plugin::settings::Gravity) times the length of the
     ///   step, before it moves the bodies. Solve for the velocities with gravity, and write them without.
     /// * **The length of a step** is the delta of the resource `Time`, which is the physics clock there.
-    /// * **The margin of two colliders does not grow with speed** with `Response::None`. Set `contact_margin` to the way that
-    ///   bodies may go in a step, as a part of their diameter, so that a contact is seen before they overlap.
-    /// * **Mass and inertia** are yours. That of a mesh: [`CollisionMesh::mass`](crate::asset::BakedMesh::mass), about the
-    ///   centre of mass, where anchors begin.
+    /// * **The margin of two colliders does not grow with speed** with `Response::None`. Set `contact_margin` to the
+    ///   distance that bodies may travel in a step, as a part of their diameter, so that a contact is seen before they
+    ///   overlap.
+    /// * **Mass and inertia** are yours. [`CollisionMesh::mass`](crate::asset::BakedMesh::mass) has those of a mesh,
+    ///   about the centre of mass, where anchors begin.
     /// * **The colliders' bodies** have the velocities. Where bodies have colliders on children, find them by `ChildOf`.
     /// * **On a GPU** use [`Readback::Lockstep`](crate::plugin::settings::Readback::Lockstep). Otherwise the manifolds are some
     ///   steps old, and contacts are solved too late.
@@ -313,8 +315,8 @@ pub struct StepReport {
     pub step: u64,
     /// Number of bodies in the step.
     pub bodies: usize,
-    /// Colliders whose components the step has read: all of them, or only those of bodies that are neither static nor
-    /// [dormant](Self::dormant) and static ones that have changed, if that is known.
+    /// Number of colliders whose components the step has read: all, or, if changes are known, only colliders of bodies
+    /// that are neither static nor [dormant](Self::dormant), and changed static ones.
     pub colliders_read: usize,
     /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, the GPU's own time on a GPU. Zero on a GPU
     /// without timestamp queries.
@@ -332,8 +334,8 @@ pub struct StepReport {
     /// Number of touching pairs of colliders. Planes do not count; [`Collisions::len`] counts them too.
     ///
     /// With [`Readback::Resident`](crate::plugin::settings::Readback::Resident) and
-    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) those that push each other: nobody reads which
-    /// faces intersect, so faces are not tested, and [`triangle_tests`](Self::triangle_tests) and
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) it counts pairs that push each other: nobody
+    /// reads which faces intersect, so faces are not tested, and [`triangle_tests`](Self::triangle_tests) and
     /// [`face_pairs`](Self::face_pairs) are 0.
     pub touching_pairs: usize,
     /// Number of contact points within the margin of [`Collisions::manifolds`], between colliders and between colliders and
@@ -345,8 +347,8 @@ pub struct StepReport {
     pub mean_collision_substeps: f32,
     /// Number of bodies asleep.
     pub sleeping: usize,
-    /// Number of bodies among them for which the step did nothing, because nothing that is awake is near. They are not read,
-    /// but their contacts and pairs are counted.
+    /// Number of sleeping bodies for which the step did nothing, because nothing awake is near. They are not read, but
+    /// their contacts and pairs are counted.
     pub dormant: usize,
     /// Number of pairs of triangles that were tested because their bounding boxes overlap.
     pub triangle_tests: u64,
@@ -362,8 +364,8 @@ pub struct StepReport {
     /// each collision substep and at the end for what
     /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) needs.
     pub waits: u64,
-    /// Number of bodies of which pairs were left out, because they overlap so many others that the step would have exceeded
-    /// its [`StepLimits`](crate::types::limits::StepLimits). If it is not 0, the step was not exact.
+    /// Number of bodies that lost pairs, because they overlap so many others that the step would have exceeded its
+    /// [`StepLimits`](crate::types::limits::StepLimits). If it is not 0, the step was not exact.
     pub crowded_bodies: usize,
     /// What the step asked of the GPU: commands, bytes and memory. `None` if it ran on the CPU.
     pub gpu: Option<GpuWork>,

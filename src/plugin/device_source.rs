@@ -53,7 +53,7 @@ pub(crate) struct Retries {
 
 impl Retries {
     const MOST: u32 = 3;
-    /// After so many steps, some ten seconds, a loss has nothing to do with those before it.
+    /// Steps, some ten seconds, after which a loss is independent of earlier ones.
     const STEADY_STEPS: u32 = 600;
 
     /// Counts a step on the device.

@@ -8,14 +8,15 @@ use bevy::prelude::*;
 /// Two colliders, or a collider and a plane, began to touch in this step.
 ///
 /// As a message it is written once per pair, with the smaller one, in the order of
-/// [`Collisions`](crate::plugin::collisions::Collisions), as `collider1`. As an event it is triggered for each of the two
-/// colliders and their bodies that has [`CollisionEventsEnabled`](crate::plugin::components::CollisionEventsEnabled);
-/// `collider1` and `body1` are then its own.
+/// [`Collisions`](crate::plugin::collisions::Collisions), as `collider1`. As an event it is triggered for each of the
+/// two colliders and their bodies with [`CollisionEventsEnabled`](crate::plugin::components::CollisionEventsEnabled);
+/// `collider1` and `body1` then belong to that entity.
 ///
 /// If the two separate and touch again before [`CollisionEnd`] was sent, neither is sent.
 ///
-/// Steps run in `FixedPostUpdate`. A system in `FixedLast` reads the messages of the step just done, one in `Update` those of
-/// all steps of the frame, and one in `FixedUpdate` those of the step before. Events are triggered at the end of the step.
+/// Steps run in `FixedPostUpdate`. A system in `FixedLast` reads the messages of the step just done, a system in
+/// `Update` the messages of all steps of the frame, and a system in `FixedUpdate` the messages of the step before.
+/// Events are triggered at the end of the step.
 #[derive(Message, EntityEvent, MapEntities, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Message, Event, MapEntities, Debug, PartialEq)]
 pub struct CollisionStart {

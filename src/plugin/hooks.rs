@@ -81,7 +81,7 @@ pub struct ContactPair<'a> {
     pub collider1: Entity,
     /// A collider or a plane.
     pub collider2: Entity,
-    /// Their bodies; without one the collider itself.
+    /// The bodies of the colliders; without a body the collider itself.
     pub body1: Entity,
     /// See `body1`.
     pub body2: Entity,

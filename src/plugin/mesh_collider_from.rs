@@ -53,7 +53,7 @@ fn report_no_meshes(waiting: Query<(Entity, Option<&Name>), (Added<MeshColliderF
     }
 }
 
-/// Removes colliders of no mesh. A scene is saved without the meshes that were made, and has the default handle instead.
+/// Removes colliders without a mesh. A scene is saved without meshes made here, and has the default handle instead.
 fn forget_unsaved(
     mut commands: Commands,
     loaded: Query<(Entity, &MeshCollider), (With<MeshColliderFrom>, Changed<MeshCollider>)>,

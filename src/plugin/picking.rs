@@ -33,10 +33,10 @@ use serde::{Deserialize, Serialize};
 /// Sends pointer events to the colliders and planes under the pointers. Add it after Bevy's picking plugins, which
 /// `DefaultPlugins` contains, and after [`FaceoffPlugins`](crate::plugin::FaceoffPlugins).
 ///
-/// The target of an event is the collider. Events bubble up to its body if that is above it. `HitData` has the point and the
-/// normal in the world, the distance from the near plane of the camera, and a [`RayHitData`], which
-/// `HitData::extra_as` gives: the face, for example. Bevy's `Pickable` decides whether a collider gets events, and whether
-/// those behind it do.
+/// The target of an event is the collider. Events bubble up to its body if the body is above it. `HitData` has the
+/// point and the normal in the world, the distance from the near plane of the camera, and a [`RayHitData`], which
+/// `HitData::extra_as` gives: the face, for example. Bevy's `Pickable` decides whether a collider gets events, and
+/// whether colliders behind it do.
 ///
 /// Colliders are where they were after the last step, or, while the clock of physics or of the game is paused, where their
 /// components are.
@@ -52,7 +52,8 @@ pub struct ColliderPickingSettings {
     pub require_markers: bool,
 }
 
-/// A camera through which colliders are picked, and which of them. Cameras without it pick all colliders that are no sensors.
+/// A camera through which colliders are picked, and which colliders. Cameras without it pick all colliders that are not
+/// sensors.
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Deref, DerefMut)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct ColliderPickingCamera(#[entities] pub SpatialQueryFilter);
@@ -68,7 +69,7 @@ impl Plugin for ColliderPickingPlugin {
         app.init_resource::<ColliderPickingSettings>()
             .register_type::<ColliderPickingSettings>()
             .register_type::<ColliderPickingCamera>()
-            // Bevy's plugins add it too, if there are any.
+            // Bevy's picking plugins, if present, add this message too.
             .add_message::<PointerHits>()
             .add_systems(
                 PreUpdate,

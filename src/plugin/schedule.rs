@@ -9,8 +9,8 @@ use bevy::prelude::*;
 /// [`Time<Physics>`](super::clock::Physics).
 ///
 /// The schedule runs in `FixedPostUpdate`, in the system set `FaceoffStep`. Order other systems there before or after
-/// this set. A run condition on the set enables or disables the steps. In `RunFixedMainLoop` the set holds what publishes
-/// results that are late while time stands still.
+/// this set. A run condition on the set enables or disables the steps. In `RunFixedMainLoop` the set holds the systems
+/// that publish late results while time stands still.
 ///
 /// `world.run_schedule(FaceoffStep)` runs one step at once, at any place. If bodies are interpolated, call it in fixed time, for
 /// example in `FixedPostUpdate`, because in `Update` it would start from the poses that are drawn. Such a step has the length of
@@ -52,8 +52,8 @@ pub enum FaceoffSystems {
     /// Writes poses and velocities to components, and publishes [`Collisions`](super::collisions::Collisions), messages
     /// and events.
     Publish,
-    /// Empty: for systems of yours that use the results within the step, like a solver of your own. Spatial queries know
-    /// the new poses here. A system that is only ordered after `Publish` may run when the resource `Time` is no longer the
+    /// Empty, for your own systems that use the results within the step, such as a solver. Spatial queries know the new
+    /// poses here. A system that is only ordered after `Publish` may run when the resource `Time` is no longer the
     /// physics clock.
     Respond,
 }

@@ -81,7 +81,7 @@ pub struct FaceLists(pub bool);
 #[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Backend {
-    /// A GPU if there is one, else the CPU. Software adapters, which compute on the CPU, do not count as a GPU. The
+    /// The GPU if there is one, else the CPU. Software adapters, which compute on the CPU, do not count as a GPU. The
     /// choice and its reason are logged. With the feature `bevy_render`, in an app with a renderer, only the renderer's
     /// GPU is considered.
     #[default]

@@ -204,7 +204,7 @@ fn poll_backend(world: &mut World) {
     }
 }
 
-/// While time stands still no step publishes earlier results: publishes those of one pending step per frame.
+/// Publishes the results of one pending step per frame while time stands still and no step does so.
 #[cfg(feature = "gpu")]
 fn publish_while_time_stands(world: &mut World) {
     let stands = (world.get_resource::<Time<Virtual>>()).is_some_and(|time| time.delta().is_zero());
@@ -224,8 +224,8 @@ pub fn gpu(world: &World) -> Option<&Gpu> {
     world.get_resource::<Step>()?.engine.device()
 }
 
-/// At which part of the way between the two [`poses`] to draw in this frame, from 0 to 1: at that which
-/// `Time<Fixed>::overstep_fraction` tells, or at the end while the clock of physics is paused, because fixed time goes on.
+/// The fraction between the two [`poses`] at which to draw in this frame, from 0 to 1:
+/// `Time<Fixed>::overstep_fraction`, or 1 while the physics clock is paused, because fixed time goes on.
 #[cfg(feature = "gpu")]
 pub fn drawn_part(world: &World) -> f32 {
     let stands = world.get_resource::<Step>().is_some_and(|step| step.stands);

@@ -1,4 +1,4 @@
-//! Conversion between the bodies of a step and those of the solver.
+//! Conversion between the bodies of a step and the bodies of the solver.
 
 use super::bodies::SolverPart;
 use super::bodies::{SleepState, SolverBodies, SolverBody, SolverMotion, Statics};
@@ -13,7 +13,7 @@ use glam::{DMat3, Mat3};
 pub(crate) const PLANE_KEY: u64 = u64::MAX;
 
 impl SolverBodies {
-    /// Replaces all bodies by those of a step, followed by its planes as static bodies: plane `i` has the number
+    /// Replaces all bodies by the bodies of a step, followed by its planes as static bodies: plane `i` has the number
     /// `bodies.len() + i` and the key `u64::MAX - i`. All are awake.
     ///
     /// # Panics
@@ -80,7 +80,7 @@ impl SolverBodies {
         }
     }
 
-    /// Replaces body `i` by that of a step, which is awake.
+    /// Replaces body `i` by the body of a step, which is awake.
     fn set(&mut self, i: usize, bodies: &Bodies) {
         self.bodies[i] = collider_of(bodies, i);
         self.motions[i] = collider_motion(bodies, i);
@@ -103,8 +103,8 @@ impl SolverBodies {
         }
     }
 
-    /// Moves the mass of compounds to their first colliders. The motions of the other colliders remain those of the
-    /// colliders, which bound their speeds.
+    /// Moves the mass of compounds to their first colliders. Other colliders keep their own motions, which bound their
+    /// speeds.
     fn read_compounds(&mut self, bodies: &Bodies) {
         self.part_index.clone_from(&bodies.part_index);
         for part in &bodies.parts {

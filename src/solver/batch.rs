@@ -1,8 +1,8 @@
 //! Batches: up to eight pairs that are solved at once, each in a lane, and their points.
 //!
-//! The pairs of a batch have no body in common that impulses move. What the passes need of pairs and points lies together
-//! here, lane by lane; it is loaded when the collision substep begins and stored when it ends. A lane without a pair, and
-//! a point that a pair lacks, has zeros and no effect.
+//! The pairs of a batch have no body in common that impulses move. The data of pairs and points that passes need is
+//! stored together, lane by lane; it is loaded when the collision substep begins and stored when it ends. A lane
+//! without a pair, and a missing point of a pair, holds zeros and has no effect.
 
 use super::colors::{BatchSize, LANES};
 use super::contact::{Pair, Point};
@@ -73,7 +73,7 @@ pub(super) struct AimLanes {
     pub normal_response: Stored,
     /// Fraction of the normal impulse that is subtracted.
     pub impulse_scale: Stored,
-    /// Velocity of the surfaces along the tangents, in addition to that of the bodies.
+    /// Velocity of the surfaces along the tangents, in addition to the velocity of the bodies.
     pub surface_speed: [Stored; 2],
     /// Change of the friction impulse by a unit of sliding velocity.
     pub friction_response: Stored,
@@ -99,7 +99,7 @@ pub(super) struct PointLanes {
     /// Relative velocity along the tangents by which the point drifts in a substep because its bodies rotate, and that of
     /// the surfaces.
     pub drift: [Stored; 2],
-    /// Relative velocity of the surfaces along the tangents, in addition to that of the bodies.
+    /// Relative velocity of the surfaces along the tangents, in addition to the velocity of the bodies.
     pub surface_speed: [Stored; 2],
     /// The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
     pub total_normal_impulse: Stored,
@@ -312,7 +312,7 @@ impl<'a> Iterator for Batches<'a> {
     }
 }
 
-/// Numbers of the bodies on one side of a batch, lane by lane. `of` gives those of a body by its slot.
+/// Values of the bodies on one side of a batch, lane by lane. `of` gives the values of a body by its slot.
 #[inline(always)]
 pub(super) fn gather<const N: usize>(batch: &Batch, side: usize, of: impl Fn(usize) -> [f32; N]) -> [Stored; N] {
     let mut gathered = [Stored::default(); N];

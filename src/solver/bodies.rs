@@ -146,8 +146,8 @@ impl SolverMotion {
 pub struct SleepState {
     /// Asleep: its velocity is zero and the solver treats it as static until it wakes.
     pub asleep: bool,
-    /// How long it has been at rest, seconds. It grows no farther than it takes to tell that it is, and is negative where that
-    /// takes longer.
+    /// How long it has been at rest, seconds. It stops growing when the body counts as at rest, and starts negative
+    /// where that takes longer.
     pub rest_time: f32,
     /// The colliders that it touched when it fell asleep, as the sum of hashes of their keys.
     pub neighbours: u32,
@@ -195,7 +195,7 @@ impl Way {
 /// A collider of a body of several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SolverPart {
-    /// Its number.
+    /// Number of the collider.
     pub collider: u32,
     /// The number of its body.
     pub body: u32,
@@ -223,7 +223,7 @@ pub struct SolverBodies {
     pub(super) part_index: PartIndex,
     /// Bodies that are neither static nor dormant, ascending, where `revision` is known.
     pub(super) moving: Vec<u32>,
-    /// What there is of static colliders, where `revision` is known.
+    /// Summary of static colliders, where `revision` is known.
     pub(super) statics: Statics,
     /// Number of colliders, where `revision` is known. Planes follow.
     pub(super) colliders: usize,
@@ -233,7 +233,7 @@ pub struct SolverBodies {
     pub(super) base: Revision,
     /// Names which collider has which number.
     pub(super) layout: Revision,
-    /// What there is of dormant bodies, in the set with this name.
+    /// Summary of dormant bodies, in the set with this name.
     pub(super) dormant: Statics,
     pub(super) dormant_name: Revision,
 }
@@ -280,7 +280,7 @@ impl SolverBodies {
         self.forces[i].accelerations(body.inverse_mass, &body.inverse_inertia)
     }
 
-    /// Whether there are none.
+    /// Whether there are no bodies.
     pub fn is_empty(&self) -> bool {
         self.keys.is_empty()
     }
@@ -322,7 +322,7 @@ impl SolverBodies {
         part_index.clear();
     }
 
-    /// The numbers of those that are neither static nor dormant, ascending.
+    /// The numbers of bodies that are neither static nor dormant, ascending.
     pub(crate) fn movers(&self) -> impl Iterator<Item = usize> + Clone + '_ {
         let (listed, all) = match self.revision.is_known() {
             true => (&self.moving[..], 0..0),

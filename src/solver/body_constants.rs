@@ -18,7 +18,8 @@ pub(super) struct BodyConstants {
     pub initial_rotation: Quat,
     local_inertia: Mat3,
     local_inverse_inertia: Mat3,
-    /// The inertia is the same about all axes, so it does not rotate with the body and there is no gyroscopic torque.
+    /// Whether the inertia is the same about all axes: it does not rotate with the body, and there is no gyroscopic
+    /// torque.
     isotropic: bool,
     locked: LockedAxes,
     /// Length of the body's substeps, seconds.
@@ -27,7 +28,7 @@ pub(super) struct BodyConstants {
     pub moves: bool,
     /// Gyroscopic torque changes the axis about which it rotates.
     pub rotates_freely: bool,
-    /// Its inertia tensor depends on its rotation.
+    /// Whether the inertia tensor depends on the rotation.
     pub inertia_rotates: bool,
     /// The change of velocity by gravity in each substep.
     pub gravity: Vec3A,

@@ -1,8 +1,8 @@
 //! Bundles: sets of islands that one task solves, batch by batch.
 //!
 //! The pairs of a large island fill the lanes of its batches: see [`colors`](super::colors). A small island has few pairs
-//! of one colour, often only one. So up to eight small islands are solved side by side, each in a lane of its own, where
-//! its pairs follow each other in the same order. The result has the same bits either way.
+//! of one colour, often only one. So up to eight small islands are solved side by side, each in its own lane, with its
+//! pairs in the same order. The result has the same bits either way.
 
 use super::colors::{BatchSize, Colors, LANES};
 use super::islands::{Island, IslandPair};
@@ -36,13 +36,13 @@ pub(super) struct Bundles {
 #[derive(Clone, Debug, Default)]
 struct Alone {
     sizes: Vec<BatchSize>,
-    /// Where those of each island end.
+    /// Where the pairs of each island end.
     ends: Vec<usize>,
 }
 
 impl Bundles {
-    /// Sorts islands into bundles, and their pairs by the batches of these. Islands that can be side by side follow each
-    /// other, those with more pairs first.
+    /// Sorts islands into bundles, and their pairs by the bundles' batches. Islands that can be side by side must be
+    /// contiguous, with more pairs first.
     pub fn build(&mut self, islands: &[Island], pairs: &mut [IslandPair], points_of: impl Fn(&IslandPair) -> u32) {
         let Self { colors, alone, .. } = self;
         alone.sizes.clear();
@@ -77,8 +77,8 @@ impl Bundles {
         }
     }
 
-    /// How many islands from `first` on are solved side by side: as many as there are lanes, if that is less than half of
-    /// the work of solving each alone.
+    /// How many islands from `first` on are solved side by side: up to one per lane, if that is less than half of the
+    /// work of solving each alone.
     fn side_by_side(
         &self,
         first: usize,
@@ -130,8 +130,8 @@ impl Alone {
     }
 }
 
-/// For each batch of islands side by side: the islands that have a pair in it, and the numbers of these pairs. The first
-/// island has most.
+/// For each batch of islands side by side: the islands with a pair in it, and the pairs' numbers. The first island has
+/// most pairs.
 fn rows(islands: &[Island]) -> impl Iterator<Item = impl Iterator<Item = (&Island, usize)>> {
     let most = islands.first().map_or(0, |island| island.pairs.len());
     (0..most).map(move |row| {
@@ -145,7 +145,7 @@ mod tests {
     use super::super::pace::Pace;
     use super::*;
 
-    /// Islands with chains of so many pairs, each with as many points as its number modulo 5, plus one.
+    /// Islands with chains of these `lengths`. Each pair has its number modulo 5, plus one, points.
     fn chains(lengths: &[usize], paces: &[Pace]) -> (Vec<Island>, Vec<IslandPair>) {
         let (mut islands, mut pairs) = (Vec::new(), Vec::new());
         let mut slots = 0;

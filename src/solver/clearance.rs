@@ -8,8 +8,8 @@ use crate::state::ManifoldPoint;
 
 /// Normals are opposite if the cosine of the angle between them is below this.
 pub(super) const OPPOSITE: f32 = -0.7;
-/// No normals are opposite if the cosine of the angle between the first and each of the others is above this: the angle is
-/// half of that between opposite ones.
+/// No normals are opposite if the cosine of the angle between the first and each other one is above this: that angle is
+/// half of the angle between opposite normals.
 pub(super) const ALIKE: f32 = 0.4;
 /// Only the first points of a pair are compared with each other.
 pub(super) const MOST_COMPARED: usize = 64;

@@ -1,9 +1,9 @@
 //! Colours of an island's pairs: pairs of one colour have no body in common that impulses move, so they can be solved at
 //! once, in the lanes of batches.
 //!
-//! Pairs with a body that impulses do not move have colours of their own, which come last, and those with one that does not
-//! move at all after those with one that does: what is solved last is satisfied best, and nothing may be pressed through what
-//! is static.
+//! Pairs with a body that impulses do not move have their own colours, which come last: first pairs with a moving one,
+//! then pairs with one that does not move. What is solved last is satisfied best, and nothing may be pressed through
+//! static bodies.
 
 use super::islands::IslandPair;
 use crate::geometry::cluster::CLUSTER;
@@ -56,7 +56,7 @@ struct Colored {
 }
 
 impl Colors {
-    /// Sorts the pairs of an island by batches, and adds the sizes of these. Impulses move the bodies of the first
+    /// Sorts the pairs of an island by batches, and adds the batches' sizes. Impulses move the bodies of the first
     /// `movable` slots. `points_of` tells the number of points of a pair.
     pub fn sort(
         &mut self,
@@ -100,8 +100,8 @@ impl Colors {
         }
     }
 
-    /// The first colour that no other pair of these bodies has. If they have all that they keep account of, it is a new
-    /// one after the `known` ones, for this pair alone.
+    /// The first colour that no other pair of these bodies has. If they have all recorded colours, a new one after the
+    /// `known` ones, for this pair alone.
     fn free_color(&mut self, slots: [u32; 2], known: u32) -> u32 {
         let used = slots.map(|slot| self.used.get(slot as usize).copied().unwrap_or(0));
         let color = (!(used[0] | used[1])).trailing_zeros();

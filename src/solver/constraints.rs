@@ -32,11 +32,12 @@ pub(super) struct Constraints {
     lanes: Vec<PointLanes>,
     /// The bodies of each manifold; `None` if it is not solved.
     solved: Vec<Option<[u32; 2]>>,
-    /// For each point of the manifolds its number among `points`; `u32::MAX` if it is not solved.
+    /// For each point of the manifolds, its number among `points`; `u32::MAX` if it is not solved.
     numbers: Vec<u32>,
     /// What is saved of pairs that are not solved.
     unsolved: Vec<SavedPair>,
-    /// The points of these pairs in the manifolds that had an impulse when they were last solved, ascending.
+    /// Points in the manifolds, of pairs that are not solved, that had an impulse when they were last solved,
+    /// ascending.
     pushing: Vec<u32>,
 }
 
@@ -70,7 +71,8 @@ impl Constraints {
             .map_or(0.0, |p| p.total_normal_impulse + p.normal_impulse)
     }
 
-    /// Whether a point has an impulse. Points of pairs that are not solved have that of their last solved substep.
+    /// Whether a point has an impulse. Points of pairs that are not solved keep the impulse of their last solved
+    /// substep.
     pub fn pushes(&self, index: usize) -> bool {
         self.point(index).map_or_else(
             || self.pushing.binary_search(&(index as u32)).is_ok(),

@@ -11,7 +11,7 @@ pub(super) struct Pair {
     pub slots: [u32; 2],
     /// The first of its points in the manifolds.
     pub source: u32,
-    /// Its points: first number and count.
+    /// Points of the pair: first number and count.
     pub first: u32,
     pub count: u32,
     pub friction: f32,
@@ -32,7 +32,7 @@ pub(super) struct Pair {
     pub driven: bool,
     /// Length of the substeps in which its impulses act, seconds.
     pub substep: f32,
-    /// It had contact points in the last collision substep.
+    /// Whether the pair had contact points in the last collision substep.
     pub known: bool,
     /// In deep penetration: pushed apart along one direction, by its first point, until nothing overlaps.
     pub depenetrating: bool,
@@ -66,11 +66,11 @@ pub(super) struct Point {
     pub friction_offset: Vec3A,
     /// The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
     pub total_normal_impulse: f32,
-    /// It has had an impulse in this collision substep or at the end of the last one.
+    /// Whether the point has had an impulse in this collision substep or at the end of the last one.
     pub touched: bool,
-    /// It has had restitution in this collision substep: the bodies separate.
+    /// Whether the point has had restitution in this collision substep: the bodies separate.
     pub bounced: bool,
-    /// Its numbers are valid, and it is part of the constraint.
+    /// Whether its numbers are valid, and it is part of the constraint.
     pub valid: bool,
 }
 

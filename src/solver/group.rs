@@ -23,7 +23,7 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// The islands of the bundle with the same factor as the first of these, and the others.
+    /// The islands of this group with the same factor as the first, and the others.
     pub fn split(self, factors: &[u32; LANES]) -> (Self, Self) {
         let first = factors[self.members.trailing_zeros() as usize];
         let equal = bits(self.members).filter(|&island| factors[island] == first);

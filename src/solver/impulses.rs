@@ -15,9 +15,9 @@ pub fn apply_impulses(bodies: &mut Bodies) {
     bodies.for_each_mover(|bodies, i| _ = apply_impulses_of(bodies, i, true));
 }
 
-/// Applies the external impulses of the body with the number `i`, and clears them; its angular impulse stays for the solver
-/// unless its rotation is known. Returns how much its linear and angular velocities have changed; `None` if they have not,
-/// and for colliders that are no body.
+/// Applies and clears the external impulses of body `i`. The angular impulse stays for the solver unless the rotation
+/// is known. Returns the changes of linear and angular velocity; `None` if there are none, and for colliders that are
+/// no body.
 pub(crate) fn apply_impulses_of(bodies: &mut Bodies, i: usize, knows_rotation: bool) -> Option<[Vec3; 2]> {
     let forces = bodies.params[i].forces;
     if (forces.impulse, forces.angular_impulse) == (Vec3::ZERO, Vec3::ZERO) || !bodies.is_body(i) {

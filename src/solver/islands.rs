@@ -25,7 +25,7 @@ pub(super) struct Island {
 /// A pair of an island.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IslandPair {
-    /// Its number in the list of pairs from which the islands were built.
+    /// Number in the list of pairs from which the islands were built.
     pub number: u32,
     /// Numbers of its bodies within the island; in the order of bundles, within the bundle.
     pub slots: [u32; 2],
@@ -36,9 +36,9 @@ pub(super) struct IslandPair {
 /// What can change the velocity and the pose of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mobility {
-    /// It does not move.
+    /// The body does not move.
     Fixed,
-    /// It moves with its own velocity, which impulses do not change.
+    /// The body moves with its own velocity, which impulses do not change.
     Moving,
     /// Impulses change its velocity.
     Movable,
@@ -252,7 +252,7 @@ struct Trees {
 }
 
 impl Trees {
-    /// Makes each of the `members` of so many bodies a tree of its own. The pairs may have movable bodies among these only.
+    /// Makes each of the `members` of `bodies` bodies a tree of its own. All movable bodies of pairs must be members.
     fn reset(&mut self, bodies: usize, members: impl Iterator<Item = usize> + Clone) {
         self.sets.reset_members(bodies, members.clone());
         self.numbers.resize(bodies, NONE);

@@ -19,18 +19,18 @@ use std::f32::consts::TAU;
 pub(super) const MAX_COMPRESSION: f32 = 0.0007;
 /// Largest factor on the number of substeps.
 pub(super) const MAX_FACTOR: f32 = 16.0;
-/// The impulse of a point counts up to so many times what its pair transmits.
+/// The impulse of a point counts up to this multiple of the impulse that its pair transmits.
 ///
-/// The rest is stress between two bodies that are wedged in each other, which push both ways at different points. It moves
-/// nothing and can be any number. Levers, as a peg in a hole, count in full up to this ratio.
+/// The rest is stress between two wedged bodies, which push both ways at different points. Stress moves nothing and can
+/// be arbitrarily large. Levers, as a peg in a hole, count in full up to this ratio.
 pub(super) const MAX_STRESS: f32 = 10.0;
-/// A pair with an immovable body that overlaps by more than this fraction of D does not count: it was put there, or it is
-/// squeezed. Stiffer springs would squeeze it with more force, and move nothing.
+/// A pair with an immovable body that overlaps by more than this fraction of D does not count: the body was placed
+/// there or is squeezed. Stiffer springs would only squeeze it with more force.
 pub(super) const SQUEEZED: f32 = 0.01;
 /// Points times factor of an island.
 pub(super) const POINT_BUDGET: f32 = 2000.0;
 
-/// Factors on the number of substeps of the islands of a bundle with this pace and so many points. The points have the
+/// Factors on the number of substeps of a bundle's islands, by their pace and numbers of points. The points have the
 /// impulses of the last collision substep.
 pub(super) fn substep_factors(
     bundle: &mut BundlesMut,

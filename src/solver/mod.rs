@@ -137,7 +137,7 @@ pub struct Solver {
     /// Mobility and pace of each body.
     mobility: Vec<Mobility>,
     paces: Vec<Pace>,
-    /// The static bodies of these lists: none has come or gone since they had this state.
+    /// State of the static bodies since which none of them has come or gone.
     base: Revision,
     /// The saved impulses are built here.
     saved: WarmStart,

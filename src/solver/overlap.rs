@@ -19,11 +19,11 @@ pub(super) const MIN_DIRECTION_LENGTH: f32 = 1.0e-4;
 /// How a pair overlaps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Overlap {
-    /// Its contact points are reliable.
+    /// The contact points are reliable.
     Ordinary,
-    /// It overlapped deeply at its first contact, and still overlaps. It is pushed apart along this unit vector.
+    /// The pair overlapped deeply at its first contact, and still does. It is pushed apart along this unit vector.
     Deep(Vec3),
-    /// Its bodies touched before they overlapped, and now have points with opposed normals. Only points whose normals
+    /// The bodies touched before they overlapped, and now have points with opposed normals. Only points whose normals
     /// agree with this unit vector count.
     Conflicting(Vec3),
 }

@@ -69,8 +69,8 @@ impl Pass {
         let bias_rate = splat(simd, self.softness.bias_rate);
         let depenetrating = lanes(simd, batch.depenetrating);
         let ordinary = lanes(simd, ALL_LANES & !batch.depenetrating);
-        // Near the surface the bias of a pair in deep penetration falls below the maximum, to that of the contact spring
-        // of other pairs.
+        // Near the surface the bias of a pair in deep penetration falls from the maximum to the bias of an ordinary
+        // contact spring.
         let deep = splat(simd, -self.deep_depenetration_speed);
         let fastest = depenetrating.select(deep, splat(simd, -self.max_depenetration_speed));
         let (spring_mass_scale, spring_impulse_scale) = self.spring(simd, batch);
@@ -144,7 +144,7 @@ impl Pass {
         )
     }
 
-    /// The factors of springs that are so deep that they may push only with this fraction of their speed.
+    /// The factors of springs at depths where they may push only with this fraction of their speed.
     ///
     /// The force goes on growing with the depth. So a body that is squeezed between two others, which push it at the same
     /// speed, overlaps both equally, whatever their kinds.
@@ -155,7 +155,7 @@ impl Pass {
         self.spring_of(simd, softness * fraction)
     }
 
-    /// The factors of springs that are so many times as soft.
+    /// The factors of springs that are softer by this factor.
     #[inline(always)]
     fn spring_of<S: Simd>(&self, simd: S, softness: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
         let mass_scale = splat(simd, self.softness.mass_scale);

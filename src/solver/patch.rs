@@ -115,8 +115,8 @@ fn friction_circle(outline: &[Vec2]) -> Option<(Vec2, f32)> {
         // The load of a line: half of its points are nearer than a quarter of its length.
         return Some((center, 0.5));
     }
-    // The mean distance in a triangle from one corner is two thirds of that of the opposite side, which is found by
-    // Simpson's rule.
+    // The mean distance from a corner within a triangle is two thirds of the mean distance to the opposite side, which
+    // is found by Simpson's rule.
     let mut distance = 0.0;
     for (&a, &b) in edges() {
         let (a, b) = (a - center, b - center);

@@ -56,9 +56,9 @@ pub(super) fn update_points<S: Simd>(simd: S, batch: &Batch, points: &mut [Point
 }
 
 impl PointLanes {
-    /// Rotates the normals of curved surfaces that have not touched yet, as that of two balls that pass each other:
-    /// their impulse acts along the normal at the moment of contact. `displacement` is how far the second centres of
-    /// curvature have moved relative to the first.
+    /// Rotates the normals of curved surfaces that have not touched yet, such as two balls that pass each other: the
+    /// impulse acts along the normal at the moment of contact. `displacement` is the motion of the second centres of
+    /// curvature relative to the first.
     #[inline(always)]
     fn rotate_normals<S: Simd>(&mut self, simd: S, displacement: Points<S>) {
         let rotates = lanes(simd, self.curved & !self.touched);

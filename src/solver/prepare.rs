@@ -110,7 +110,7 @@ impl Source<'_> {
             {
                 point.normal_impulse = impulse;
                 point.touched = impulse > 0.0;
-                // This impulse belongs to the last collision substep, so it does not count in this one's total.
+                // The saved impulse belongs to the last collision substep, so it does not count in this one's total.
                 point.total_normal_impulse = -impulse;
                 point.friction_impulse = [1, 2].map(|i| point.frame[i].dot(friction.into()));
             }

@@ -5,7 +5,7 @@ use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
 use std::f32::consts::TAU;
 
-/// The contact spring of a kinematic body is at most so many times as soft as that of a static one.
+/// The contact spring of a kinematic body is at most this many times as soft as that of a static one.
 pub(super) const SOFTEST: f32 = 100.0;
 /// How much more a body gives way at its corners, where contact points are, than at its centre. That of a cube.
 pub(super) const CORNER: f32 = 4.0;
@@ -36,12 +36,11 @@ impl Softness {
     }
 }
 
-/// How much softer the contact spring of these bodies is than that of a static body and the one that impulses move.
+/// How much softer the contact spring of these bodies is than that of a static body and the movable one.
 ///
 /// The stiffness of a contact spring is proportional to the effective mass. A kinematic body counts with the mass that it
-/// would have if it were dynamic. Otherwise one of several equal supports would carry more than the others as soon as it
-/// is made kinematic: up to twice as much beside supports of the mass of what they carry, and nearly all of it below a heavy
-/// body.
+/// would have if it were dynamic. Otherwise one of several equal supports would carry more than the others once it is
+/// kinematic: up to twice as much beside supports as heavy as their load, and nearly the whole load if that is heavy.
 pub(super) fn beside_kinematic(bodies: [&SolverBody; 2]) -> f32 {
     let softness = |kinematic: &SolverBody, other: &SolverBody| {
         (kinematic.kind == RigidBody::Kinematic && other.has_mass())

@@ -103,15 +103,15 @@ impl<S: Simd> Residual<S> {
         }
     }
 
-    /// Adds that of a batch, whose lanes have pairs of different islands.
+    /// Adds the residual of a batch whose lanes have pairs of different islands.
     #[inline(always)]
     pub fn add(&mut self, batch: Self) {
         self.velocity = batch.velocity.max(self.velocity);
         self.energy += batch.energy;
     }
 
-    /// Adds that of a batch whose first lanes have so many pairs of one island. The energies are added pair by pair, as if
-    /// each pair were a batch.
+    /// Adds the residual of a batch whose first `pairs` lanes have pairs of one island. The energies are added pair by
+    /// pair, as if each pair were a batch.
     #[inline(always)]
     pub fn add_pairs(&mut self, batch: Self, pairs: usize) {
         let mut sum = self.energy.to_array()[0];

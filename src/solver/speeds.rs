@@ -33,7 +33,7 @@ impl Speeds {
     };
 
     /// Bounds for bodies whose velocities lie between `low` and `high`, and whose surfaces move no faster than `spin`
-    /// relative to their centres of mass, m/s. If some `low` exceeds its `high` there are no bodies.
+    /// relative to their centres of mass, m/s. There are no bodies if some `low` exceeds its `high`.
     pub fn between(low: Vec3, high: Vec3, spin: f32) -> Self {
         Self {
             low,
@@ -123,8 +123,8 @@ impl Speeds {
         }
     }
 
-    /// Bounds for the same bodies after impulses have changed the velocity of any of their points by up to `push`, and
-    /// gravity that of the bodies by up to `fall`, m/s.
+    /// Bounds for these bodies after impulses have changed the velocity of their points by up to `push`, and gravity
+    /// their velocity by up to `fall`, m/s.
     pub fn after(self, push: f32, fall: Vec3) -> Self {
         Self {
             low: self.low.min(self.low + fall) - push,
@@ -143,8 +143,7 @@ impl Speeds {
         }
     }
 
-    /// The velocity that the bodies have in common, m/s: zero if there is a static body, otherwise the middle of the
-    /// bounds.
+    /// The common velocity of the bodies, m/s: zero if there is a static body, otherwise the middle of the bounds.
     pub fn drift(&self) -> Vec3 {
         let middle = 0.5 * (self.low + self.high);
         if !self.has_static && middle.is_finite() {
@@ -163,7 +162,7 @@ impl Speeds {
         self.collision_substeps_for(settings, thinnest, dt)
     }
 
-    /// [`Speeds::collision_substeps`] for bodies of which the thinnest has this thickness, metres.
+    /// [`Speeds::collision_substeps`] for bodies whose thinnest has the thickness `thinnest`, metres.
     pub fn collision_substeps_for(&self, settings: &SolverSettings, thinnest: f32, dt: f32) -> u32 {
         let wanted = (self.relative() * dt / (settings.collision_substep_travel * thinnest)).ceil();
         // The cast saturates and turns NaN into 0.

@@ -1,7 +1,7 @@
 //! A collision substep of a bundle: its substeps, and the passes of each.
 //!
-//! Islands side by side are independent: each has its own number of substeps and of passes, and the lane of one that has
-//! converged keeps its impulses while others go on. So an island moves with the same bits in any bundle.
+//! Islands side by side are independent: each has its own number of substeps and of passes, and the lane of a converged
+//! island keeps its impulses while others go on. So an island moves with the same bits in any bundle.
 //!
 //! A pass of projected Gauss-Seidel visits all pairs. Its impulses are extrapolated along a search direction, as in the
 //! method of conjugate gradients (Silcowitz-Hansen et al., "A Nonsmooth Nonlinear Conjugate Gradient Method for
@@ -67,7 +67,7 @@ impl BundlesMut<'_> {
                 for _ in 0..pace.refined(factor).substeps {
                     self.substep(simd, &group, &pass, &passes);
                 }
-                // The saved impulses are those of a substep of the common length.
+                // The saved impulses belong to a substep of the common length.
                 self.scale_impulses(simd, factor as f32);
             });
             store_batches(self.batches, self.lanes, self.pairs, self.points, group.lanes());
@@ -163,7 +163,7 @@ impl BundlesMut<'_> {
         self.apply_restitution(simd, &pass, passes);
     }
 
-    /// Passes over all pairs of the islands in the lanes `live`, at least so many, until they have converged.
+    /// Passes over all pairs of the islands in the lanes `live` until they have converged, at least `least` passes.
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, pass: &Pass, passes: &Passes, least: u32, mut live: u32) {
         let zero = splat(simd, 0.0);
@@ -220,14 +220,14 @@ impl BundlesMut<'_> {
 /// When the passes over the islands of a group end.
 struct Passes<'a> {
     settings: &'a SolverSettings,
-    /// Each lane has pairs of another island.
+    /// Whether each lane has pairs of another island.
     side_by_side: bool,
     /// The largest number of passes over the island in each lane.
     most: [u32; LANES],
 }
 
 impl<'a> Passes<'a> {
-    /// `point_counts` are those of the bundle's islands.
+    /// `point_counts` are the numbers of points of the bundle's islands.
     fn new(settings: &'a SolverSettings, group: &Group, point_counts: &[u32; LANES]) -> Self {
         let most = |lane| {
             let points = point_counts[group.island(lane)].max(1);

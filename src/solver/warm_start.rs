@@ -11,7 +11,7 @@ use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-/// At most this many saved points of a pair are matched: each has a bit of a word.
+/// Most saved points of a pair that are matched: each has a bit of a word.
 pub(super) const MAX_MATCHED: usize = 64;
 /// The largest factor on saved impulses when the length of the substep changes.
 pub(super) const MAX_IMPULSE_SCALE: f32 = 2.0;
@@ -25,7 +25,7 @@ pub struct WarmStart {
     pub(super) points: Vec<SavedPoint>,
 }
 
-/// A pair of the last collision substep. Its first body is the one that had the smaller number then.
+/// A pair of the last collision substep. Its first body had the smaller number then.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct SavedPair {
     /// The smaller key first.
@@ -103,7 +103,7 @@ impl WarmStart {
         some
     }
 
-    /// These and others, in order.
+    /// These impulses and others, in order.
     pub(crate) fn merged(&self, others: &Self) -> Self {
         let mut all = Self::default();
         let pairs = [self, others].map(|some| some.pairs.iter().map(move |pair| (pair, some)));

@@ -10,8 +10,8 @@ use crate::state::Bodies;
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 /// Upper bound of the distance from the axis of rotation of collider `i`, through its centre of mass, at which `j` may
-/// touch it, metres; no more than its bounding radius. `motion` bounds how far points of `j` move relative to that
-/// centre.
+/// touch it, metres; no more than its bounding radius. `motion` bounds how far points of `j` move relative to the
+/// centre of mass of `i`.
 ///
 /// Points of `i` keep their distance from the axis. Seen along the axis, `j` lies in an octagon around it whose sides are
 /// at the support heights of `j`. No point of an octagon is farther from the axis than the farthest of the eight points

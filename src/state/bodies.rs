@@ -1,9 +1,9 @@
 //! The colliders of a step, and the bodies that they form, as a structure of arrays. [`Bodies::push`] validates a collider
 //! and derives what follows from its pose and mesh; [`Bodies::join`](super::compound) makes one body of several.
 //!
-//! Most bodies have one collider, so that both have one number. A body of several has the number of the first of them.
-//! Stages that look at surfaces work on colliders: the broad phase up to contact generation, and continuous collision.
-//! Stages that move bodies work on bodies: the solver, sleep and integration.
+//! Most bodies have one collider, and both have the same number. A body with several colliders has the number of the
+//! first. Stages that look at surfaces work on colliders: the broad phase up to contact generation, and continuous
+//! collision. Stages that move bodies work on bodies: the solver, sleep and integration.
 
 use super::body::{Body, BodyParams, Motion};
 use super::checks::{check_body, check_collider, check_pose};
@@ -25,7 +25,7 @@ use std::borrow::Cow;
 /// One entry per collider in every array up to `params`.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies {
-    /// Number of the body: that of its first collider.
+    /// Number of the body, which is the number of its first collider.
     pub body: Vec<u32>,
     /// Slot in the [`MeshArena`].
     pub mesh: Vec<u32>,
@@ -59,8 +59,8 @@ pub struct Bodies {
     pub inverse_mass: Vec<f32>,
     /// Inverse mass that the body would have if contacts moved it, 1/kg; 0 for static bodies.
     pub own_inverse_mass: Vec<f32>,
-    /// Inverse inertia tensor in the body's own axes; zero for bodies that contacts cannot rotate. That of a body of
-    /// several colliders is in its [`Compound`].
+    /// Inverse inertia tensor in the body's own axes; zero for bodies that contacts cannot rotate. A body with several
+    /// colliders has its tensor in its [`Compound`].
     pub local_inverse_inertia: Vec<Mat3>,
     /// Inverse inertia tensor of the body in world axes.
     pub inverse_inertia: Vec<Mat3>,
@@ -78,32 +78,32 @@ pub struct Bodies {
     pub params: Vec<BodyParams>,
     /// Moving bodies whose colliders are placed in them. Other bodies have one collider.
     pub compounds: Vec<Compound>,
-    /// Their colliders, ascending.
+    /// Colliders of compounds, ascending.
     pub parts: Vec<Part>,
     /// Finds a collider among `parts`.
     pub(crate) part_index: PartIndex,
     /// The colliders that are not static, ascending, if they have been listed.
     pub(crate) moving: Vec<u32>,
-    /// Where `revision` is known, the static colliders are so many, and come first.
+    /// Number of static colliders, which come first, where `revision` is known.
     pub(crate) static_count: usize,
     pub(crate) is_listed: bool,
-    /// What some static one has, if they have been listed.
+    /// Properties that at least one static collider has, if they have been listed.
     pub(crate) of_static: Flags,
-    /// The state of the others; see [`Bodies::keep_static`].
+    /// The state of the static colliders; see [`Bodies::keep_static`].
     pub(crate) revision: Revision,
     pub(crate) static_changes: StaticChanges,
-    /// The contact margin with which their speculative radii were set; see
+    /// The contact margin with which speculative radii of static colliders were set; see
     /// [`SpeculativeMargins`](super::margins::SpeculativeMargins).
     pub(crate) static_margin: Option<f32>,
     /// Names which collider has which number, where that is known.
     pub(crate) layout: Revision,
-    /// Since the layout before, so many of the first colliders have kept their numbers.
+    /// The layout before, and how many of the first colliders have kept their numbers since.
     pub(crate) layout_before: (Revision, usize),
     /// The colliders that are dormant.
     pub(crate) dormant: DormantSet,
 }
 
-/// What some collider of several has.
+/// Properties that at least one collider has.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Flags {
     /// Continuous collision detection.
@@ -162,7 +162,7 @@ impl Bodies {
         self.mesh.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no colliders.
     pub fn is_empty(&self) -> bool {
         self.mesh.is_empty()
     }
@@ -188,8 +188,8 @@ impl Bodies {
         self.part_index.clear();
     }
 
-    /// Begins to write the colliders again that are neither static nor dormant. Only the first `count`, among which all of these
-    /// are, keep their numbers. Compounds are joined anew.
+    /// Begins to rewrite the colliders that are neither static nor dormant. They are all among the first `count`, which
+    /// keep their numbers. Compounds are joined anew.
     #[cfg(feature = "bevy")]
     pub(crate) fn begin_rewriting(&mut self, count: usize) {
         self.separate();
@@ -229,8 +229,8 @@ impl Bodies {
         Ok(())
     }
 
-    /// How many of the first colliders have kept their numbers since the static ones were in the state `revision`, and all in
-    /// the `layout`.
+    /// How many of the first colliders have kept their numbers since the static colliders were in the state `revision`
+    /// and all colliders in the `layout`.
     pub(crate) fn same_since(&self, revision: Revision, layout: Revision) -> usize {
         let (before, same) = self.layout_before;
         if self.static_changes_since(revision).is_none() {
@@ -259,8 +259,8 @@ impl Bodies {
         self.static_count = self.len();
     }
 
-    /// Names the present state of the static colliders, which come first. Until [`Bodies::clear`] nothing about them may
-    /// change, so that steps do nothing for them.
+    /// Names the present state of the static colliders, which come first. Until [`Bodies::clear`] they must not change,
+    /// so that steps do nothing for them.
     #[cfg(feature = "bevy")]
     pub(crate) fn keep_static(&mut self) {
         self.revision = Revision::UNKNOWN;
@@ -297,7 +297,7 @@ impl Bodies {
         }
     }
 
-    /// The colliders that take part in a step by themselves, ascending: those that are neither static nor dormant.
+    /// The colliders that are neither static nor dormant, ascending.
     pub(crate) fn movers(&self) -> impl Iterator<Item = usize> + Clone + '_ {
         let (listed, all) = match self.is_listed {
             true => (&self.moving[..], 0..0),
@@ -326,7 +326,7 @@ impl Bodies {
         if !self.is_listed {
             return Flags::of(self.params.iter());
         }
-        // Searches by themselves have no more than spheres.
+        // A search without a step may have spheres only.
         let moving = Flags::of(self.moving.iter().filter_map(|&i| self.params.get(i as usize)));
         moving.or(self.of_static).or(self.dormant.has)
     }
@@ -362,8 +362,7 @@ impl Bodies {
         self.surface_response(i, self.forces_on(i))
     }
 
-    /// Upper bounds of the speeds that the external impulses which have not been applied yet give to a collider's surface: the
-    /// impulse, and the angular impulse.
+    /// Upper bounds of the speeds that the pending external impulse and angular impulse give to a collider's surface.
     #[cfg(feature = "gpu")]
     pub(crate) fn surface_speeds_of_impulses(&self, i: usize) -> [f32; 2] {
         self.surface_response(i, &self.forces_on(i).in_a_second())
@@ -450,7 +449,7 @@ impl Bodies {
         Ok(())
     }
 
-    /// What the arrays have of a collider with the number `i`, which is a body by itself or a part of one.
+    /// The row of collider `i` in the arrays. The collider is a body by itself (`is_body`) or a part of one.
     fn row(&self, i: usize, body: &Body, meshes: &MeshArena, is_body: bool) -> Result<Row, BodyFault> {
         if is_body {
             check_body(body)?;
@@ -584,8 +583,8 @@ fn inverse_inertia_of(body: &Body, frame: &Frame, mesh: &MassProperties, mass: f
     }
 }
 
-/// The inverse of an inertia tensor, or that of its inverse; zero if there is none that is finite. In double precision, because
-/// the determinants of bodies of a millimetre and of hundreds of metres are beyond single precision.
+/// The inverse of an inertia tensor or of an inverse one; zero if the result is not finite. Determinants for bodies of
+/// a millimetre and of hundreds of metres need double precision.
 pub(crate) fn invert_inertia(tensor: DMat3) -> DMat3 {
     // `DMat3::inverse`, with a determinant of 0 allowed.
     let DMat3 { x_axis, y_axis, z_axis } = tensor;

@@ -72,7 +72,7 @@ pub struct BodyParams {
     pub continuous: bool,
     /// Which hooks are called for pairs with the collider.
     pub hooks: ActiveCollisionHooks,
-    /// Whether the body is to be read in every step, also while it sleeps, because its pose depends on other things.
+    /// Whether the body must be read in every step, also while it sleeps, because its pose depends on other things.
     pub always_read: bool,
 }
 
@@ -132,7 +132,7 @@ impl Body {
         }
     }
 
-    /// Its pose and velocities.
+    /// Pose and velocities of the body.
     pub fn motion(&self) -> Motion {
         Motion {
             position: self.position,

@@ -14,7 +14,7 @@ use std::ops::Range;
 pub struct Compound {
     /// The number of its first collider, which is also its own.
     pub number: u32,
-    /// Its pose in the world and its velocities; the linear one is that of the centre of mass.
+    /// Pose in the world, and velocities; the linear velocity is that of the centre of mass.
     pub motion: Motion,
     /// The centre of mass in the body's axes, from its origin, metres.
     pub local_center: DVec3,
@@ -33,7 +33,7 @@ pub struct Compound {
 pub struct Part {
     /// Number of the collider.
     pub collider: u32,
-    /// Its place in the body.
+    /// Place of the collider in the body.
     pub place: Place,
     /// Index of its body in [`Bodies::compounds`].
     pub compound: u32,
@@ -41,7 +41,7 @@ pub struct Part {
     pub offset: DVec3,
 }
 
-/// Where a collider is in its body. The scale is that of the collider.
+/// Pose of a collider in its body. The scale is not included.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Place {
     /// Position of the mesh's origin, in the body's axes, metres.
@@ -51,8 +51,8 @@ pub struct Place {
 }
 
 impl Compound {
-    /// Sets velocity and pose; the pose is that of the centre of mass, `rotation` has unit length. The colliders follow
-    /// with [`Bodies::place_parts`]. What does not move keeps its bits.
+    /// Sets velocity and pose. `center` is the centre of mass; `rotation` has unit length. The colliders follow with
+    /// [`Bodies::place_parts`]. A pose that does not change keeps its bits.
     pub(crate) fn set(&mut self, center: DVec3, rotation: DQuat, linear_velocity: Vec3, angular_velocity: Vec3) {
         let rotated = rotation != self.rotation;
         let motion = &mut self.motion;
@@ -72,7 +72,7 @@ impl Compound {
 pub struct NewPart {
     /// Number of the collider.
     pub collider: u32,
-    /// Its place in the body.
+    /// Place of the collider in the body.
     pub place: Place,
     /// Kilograms per cubic metre.
     pub density: f32,
@@ -94,9 +94,9 @@ impl Place {
 }
 
 impl Bodies {
-    /// Makes one body of colliders that were pushed with the pose and the parameters of their own. `body` describes it;
-    /// its mesh, scale and density are not used. `center` overrides the centre of mass, in the body's axes from its
-    /// origin. The `parts` are ascending, and there is at least one.
+    /// Makes one body of colliders that were pushed with their own poses and parameters. `body` describes it; its mesh,
+    /// scale and density are not used. `center` overrides the centre of mass, in the body's axes from its origin. The
+    /// `parts` are ascending, and there is at least one.
     ///
     /// Sensors have no mass, unless all colliders are sensors.
     ///
@@ -192,7 +192,7 @@ impl Bodies {
         self.body_of(i as u32) == i as u32
     }
 
-    /// The row of the body of collider `i` in lists of motions: those of colliders, then those of compounds.
+    /// The row of the body of collider `i` in lists of motions: first motions of colliders, then of compounds.
     #[cfg(feature = "gpu")]
     pub(crate) fn motion_row(&self, i: usize) -> usize {
         self.part(i as u32)
@@ -274,7 +274,7 @@ impl Bodies {
         self.place_parts(0..self.parts.len());
     }
 
-    /// Mass of a collider, its axes and its centre of mass in those of the body.
+    /// Mass of a collider, its axes, and its centre of mass in the body's axes.
     #[inline]
     fn weigh(&self, part: &NewPart, meshes: &MeshArena) -> (f64, DMat3, DVec3) {
         let i = part.collider as usize;

@@ -11,9 +11,9 @@ pub struct Contacts {
     pub pairs: Vec<PairContact>,
     /// Intersecting faces of all pairs, grouped by pair.
     pub faces: Vec<FacePair>,
-    /// Whether the step was asked for them. If not, a GPU lists none.
+    /// Whether the step was asked to list faces. If not, a GPU lists none.
     pub lists_faces: bool,
-    /// Their number, whether they are listed or not.
+    /// Number of intersecting face pairs, listed or not.
     pub face_pairs: usize,
     /// Bodies that penetrate planes, ascending by body, then plane.
     pub planes: Vec<PlaneContact>,
@@ -33,20 +33,20 @@ pub struct PairContact {
     pub contained: bool,
     /// First of its faces in [`Contacts::faces`].
     pub first_face: u32,
-    /// Their number.
+    /// Number of its faces.
     pub face_count: u32,
     /// Representative contact of the pair.
     pub contact: Contact,
     /// First of its points in [`Contacts::points`].
     pub first_point: u32,
-    /// Their number.
+    /// Number of its points.
     pub point_count: u32,
     /// Total normal impulse of the pair in the step, newton seconds; 0 unless the response is
     /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
     pub impulse: f32,
-    /// The two did not touch at the start of the step but within it. Reported for a sensor and another body of which
-    /// one has [`ContinuousCollision`](crate::plugin::components::ContinuousCollision); `contact` is their first
-    /// contact.
+    /// Whether the two did not touch at the start of the step, but within it. Reported for a sensor and another body if
+    /// one of them has [`ContinuousCollision`](crate::plugin::components::ContinuousCollision); `contact` is their
+    /// first contact.
     pub passing: bool,
 }
 
@@ -102,7 +102,7 @@ pub struct PlaneContact {
     pub depth: f32,
     /// First of its points in [`Contacts::points`].
     pub first_point: u32,
-    /// Their number.
+    /// Number of its points.
     pub point_count: u32,
     /// Total normal impulse, as in a [`PairContact`].
     pub impulse: f32,
@@ -142,7 +142,7 @@ impl Contacts {
         some
     }
 
-    /// These and others, in order.
+    /// These contacts and others, in order.
     pub(crate) fn merged(&self, others: &Self) -> Self {
         let mut all = Self::like(self);
         let both = [self, others];
@@ -154,7 +154,7 @@ impl Contacts {
         all
     }
 
-    /// What the triangle test has found of these, without points: pairs and planes that overlap.
+    /// The contacts that the triangle test has found, without points: overlapping pairs and planes.
     pub(crate) fn tested(&self) -> Self {
         let is_tested = |pair: &&PairContact| pair.face_count > 0 || pair.contained;
         let mut some = Self::like(self);

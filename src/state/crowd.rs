@@ -1,9 +1,9 @@
 //! Crowds: bodies that overlap so many others that a step leaves some of their pairs out.
 
-/// The bodies of which a step left pairs out, to stay within its [`StepLimits`](crate::types::limits::StepLimits).
+/// The bodies whose pairs a step left out in part, to stay within its [`StepLimits`](crate::types::limits::StepLimits).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Crowd {
-    /// Their number. Of several collision substeps, the largest.
+    /// Number of these bodies; the largest number in any collision substep.
     pub bodies: usize,
     /// The index of one of them.
     pub example: u32,

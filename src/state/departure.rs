@@ -1,4 +1,4 @@
-//! Kinematic bodies that are to be at a pose at the end of a step.
+//! Kinematic bodies that must reach a given pose at the end of a step.
 
 use super::bodies::{Bodies, Frame, bounding_radius, unit};
 use glam::{DQuat, DVec3, Quat, Vec3};
@@ -15,8 +15,8 @@ pub struct Departure {
 }
 
 impl Bodies {
-    /// Moves bodies back to where their ways begin, with the velocities that take them to their present poses within `dt`
-    /// seconds. Of two ways to rotate a body takes the shorter one.
+    /// Moves bodies back to their start poses, with the velocities that take them to their present poses within `dt`
+    /// seconds. A body takes the shorter of two rotations.
     ///
     /// # Panics
     /// If there is no such body.

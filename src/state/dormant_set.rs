@@ -6,14 +6,14 @@ use super::revision::Revision;
 /// Colliders asleep near which nothing is awake. A step does nothing for them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DormantSet {
-    /// For each collider; empty if there are none.
+    /// Whether each collider is dormant; empty if none is.
     pub flags: Vec<bool>,
     pub count: usize,
     /// Names the set.
     pub name: Revision,
-    /// Names the largest set of which it is a part: some of those may have been roused since.
+    /// Names the set when bodies last became dormant. Some may have been roused since.
     pub filled: Revision,
-    /// What some of them have.
+    /// Properties that at least one dormant collider has.
     pub has: Flags,
 }
 

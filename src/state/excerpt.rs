@@ -4,8 +4,8 @@ use super::bodies::Bodies;
 use super::compound::{Compound, Part};
 
 impl Bodies {
-    /// These colliders, which are ascending, numbered anew in the same order. Of a body of several colliders the first one
-    /// must be among them.
+    /// Only these colliders, which are ascending, renumbered in the same order. The first collider of each body must be
+    /// among them.
     pub(crate) fn excerpt(&self, colliders: &[u32]) -> Self {
         let number_of = |collider: u32| colliders.binary_search(&collider).ok().map(|number| number as u32);
         let mut numbers = vec![None; self.compounds.len()];

@@ -1,5 +1,5 @@
-//! Inactive pairs: nothing about them has changed since the last collision substep, because they sleep or have completed
-//! their step. They are not tested again and keep their contact points.
+//! Inactive pairs: nothing about them has changed since the last collision substep, because their bodies sleep or have
+//! completed their step. Such pairs are not tested again and keep their contact points.
 
 /// In place of the index of a body that no longer exists.
 pub(crate) const GONE: u32 = u32::MAX;
@@ -11,10 +11,11 @@ pub(crate) struct InactiveBodies {
     pub flags: Vec<bool>,
     /// Whether any body sleeps or has completed its step.
     pub any: bool,
-    /// Kinematic bodies that have changed since the last step other than by their velocity: they have another place, shape or
-    /// layers. What sleeps on them must wake.
+    /// Kinematic bodies whose pose, shape or layers have changed since the last step other than by their velocity.
+    /// Bodies that sleep on them must wake.
     pub replaced: Vec<u32>,
-    /// New index of each body of the last collision substep but the first ones, or [`GONE`]; empty if all indices are unchanged.
+    /// New index of each body of the last collision substep from `same` on, or [`GONE`]; empty if all indices are
+    /// unchanged.
     numbers: Vec<u32>,
     /// The first bodies, whose indices are unchanged.
     same: usize,
@@ -31,8 +32,8 @@ impl InactiveBodies {
         self.any = false;
     }
 
-    /// Prepares for a step of `count` bodies and planes. The first `same` ones have the numbers of the last step; those of them that
-    /// are not among the `movers` remain inactive. The others are not inactive yet.
+    /// Prepares for a step of `count` bodies and planes. The first `same` ones have the numbers of the last step. They
+    /// remain inactive unless they are among the `movers`. The others are not inactive yet.
     pub fn begin(&mut self, count: usize, same: usize, movers: impl Iterator<Item = usize>, has_active_static: bool) {
         self.numbers.clear();
         self.replaced.clear();

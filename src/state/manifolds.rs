@@ -24,8 +24,8 @@ pub struct ManifoldPoint {
     /// Unit vector from the first body to the second. Between finely tessellated surfaces that are convex in all
     /// directions it is the normal of the smooth surfaces, on the line between their centres of curvature.
     pub normal: Vec3,
-    /// Signed distance of the meshes along the normal, metres; negative where the bodies overlap. On a plane that of the
-    /// smooth surface.
+    /// Signed distance of the meshes along the normal, metres; negative where the bodies overlap. On a plane, the
+    /// distance of the smooth surface.
     pub separation: f32,
     /// By how much the smooth surfaces are nearer to each other than `separation` tells, metres; 0 for other surfaces. The
     /// solver keeps the smooth surfaces apart.
@@ -33,8 +33,8 @@ pub struct ManifoldPoint {
     pub bulge: f32,
     /// Radius of curvature of each body's surface at its anchor, metres, in the direction in which the body rolls: 0 at a
     /// vertex or crease, infinite where the surface is flat. As the body rotates, the solver keeps the anchor below the
-    /// centre of curvature: the contact of a rolling ball stays below its centre, and that of a corner rotates with the
-    /// corner.
+    /// centre of curvature: the contact of a rolling ball stays below its centre, and the contact of a corner rotates
+    /// with the corner.
     #[serde(with = "infinite_as_none")]
     pub curvature_radii: [f32; 2],
     /// Rotation of the normal per distance that the smooth surfaces slide along each other, rad/m, from the largest
@@ -52,19 +52,19 @@ pub struct ContactSurface {
     pub friction: f32,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f32,
-    /// The velocity with which the second surface moves relative to the first, in addition to the motion of the bodies, m/s
-    /// in world axes: that of a conveyor belt if it is the second, the opposite if it is the first.
+    /// Velocity of the second surface relative to the first, in addition to the motion of the bodies, m/s in world
+    /// axes: the velocity of a conveyor belt if it is the second, its opposite if it is the first.
     pub tangent_velocity: Vec3,
 }
 
 /// The contact manifolds of all pairs.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Manifolds {
-    /// Manifolds, ascending by bodies; those with planes come last.
+    /// Manifolds, ascending by bodies; manifolds with planes come last.
     pub pairs: Vec<Manifold>,
     /// Contact points, grouped by pair.
     pub points: Vec<ManifoldPoint>,
-    /// Colliders and surface of pairs whose surface is not that of the colliders, ascending.
+    /// Colliders and surface of pairs whose surface a hook has changed, ascending.
     pub surfaces: Vec<([u32; 2], ContactSurface)>,
 }
 
@@ -138,7 +138,7 @@ impl Manifolds {
         some
     }
 
-    /// These and others, in order.
+    /// These manifolds and others, in order.
     pub(crate) fn merged(&self, others: &Self, first_plane: u32) -> Self {
         let mut all = Self::default();
         let both = [self, others];
@@ -166,7 +166,7 @@ impl Manifolds {
         found.map_or(&[], |at| self.points_of(&self.pairs[at]))
     }
 
-    /// The surface of a pair, if it is not that of the colliders.
+    /// The surface of a pair, if it differs from that of its colliders.
     pub(crate) fn surface_of(&self, bodies: [u32; 2]) -> Option<&ContactSurface> {
         let found = self.surfaces.binary_search_by_key(&bodies, |&(pair, _)| pair);
         found.ok().map(|at| &self.surfaces[at].1)
@@ -180,7 +180,7 @@ impl Manifolds {
 }
 
 impl ContactSurface {
-    /// With the values of `other` in place of those that are not valid.
+    /// This surface with values of `other` in place of invalid ones.
     pub(crate) fn checked(self, other: &Self) -> Self {
         let coefficient = |own: f32, other: f32| if own.is_finite() { own.max(0.0) } else { other };
         Self {
@@ -209,8 +209,8 @@ impl ManifoldPoint {
         }
     }
 
-    /// The point with anchors relative to the centres of mass of bodies, from anchors relative to those of their
-    /// colliders. `offsets` lead from the bodies' to the colliders'.
+    /// The point with anchors relative to the bodies' centres of mass, from anchors relative to the colliders'.
+    /// `offsets` lead from the bodies' centres to the colliders'.
     pub(crate) fn shifted(self, offsets: [Vec3; 2]) -> Self {
         let [a, b] = self.anchors;
         Self {
@@ -220,7 +220,7 @@ impl ManifoldPoint {
     }
 
     /// From the centre of mass of each body to the centre of curvature below its anchor, world axes, metres. For a flat
-    /// surface it is the anchor. `offsets` lead from the bodies' centres of mass to those of their colliders.
+    /// surface, the anchor instead. `offsets` lead from the bodies' centres of mass to the colliders'.
     pub(crate) fn curvature_centers(&self, offsets: [Vec3; 2]) -> [Vec3; 2] {
         let outward = [self.normal, -self.normal];
         [0, 1].map(|side| {
@@ -236,7 +236,7 @@ impl ManifoldPoint {
         })
     }
 
-    /// Signed distance from the first anchor to the second along the normal, metres: that of the smooth surfaces.
+    /// Signed distance of the smooth surfaces from the first anchor to the second along the normal, metres.
     pub(crate) fn gap(&self) -> f32 {
         self.separation - self.bulge
     }

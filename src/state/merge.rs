@@ -1,6 +1,6 @@
 //! Merges ascending lists.
 
-/// Calls `f` with the elements of two lists, which ascend by `order`, in that order. Of equal ones that of the first list comes
+/// Calls `f` in order with the elements of two lists that ascend by `order`. Of equal elements, the first list's comes
 /// first.
 pub(crate) fn merge<T, K: Ord>(
     [one, other]: [impl Iterator<Item = T>; 2],

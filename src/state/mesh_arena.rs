@@ -18,9 +18,9 @@ pub struct MeshArena {
 pub struct MeshSlot {
     /// The asset.
     pub mesh: CollisionMesh,
-    /// Its triangles in groups of eight, for SIMD.
+    /// Triangles in groups of eight, for SIMD.
     pub lanes: Arc<MeshLanes>,
-    /// Its vertices and edges, for contact features.
+    /// Vertices and edges, for contact features.
     pub features: Arc<MeshFeatures>,
 }
 

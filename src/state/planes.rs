@@ -18,7 +18,7 @@ pub struct Plane {
     pub restitution_combine: CombineRule,
     /// Coulomb friction coefficient and its combine rule.
     pub friction: Friction,
-    /// It detects what is inside, and does not push it out.
+    /// Whether the plane detects bodies inside without pushing them out.
     pub sensor: bool,
     /// Collision filter.
     pub layers: CollisionLayers,
@@ -43,7 +43,8 @@ impl Default for Plane {
 }
 
 impl Plane {
-    /// Whether it detects bodies of this kind with these layers: a sensor detects all that move, a solid plane dynamic ones.
+    /// Whether the plane detects bodies of this kind with these layers: a sensor detects all that move, a solid plane
+    /// dynamic ones.
     pub(crate) fn detects(&self, kind: RigidBody, layers: CollisionLayers) -> bool {
         let is_detected = match kind {
             RigidBody::Dynamic => true,

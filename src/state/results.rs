@@ -37,7 +37,7 @@ pub struct StepResults {
     pub collision_substeps: u32,
     /// The mean number of collision substeps of the bodies that move.
     pub mean_collision_substeps: f32,
-    /// The bodies of which pairs were left out; none, unless the step exceeded its limits.
+    /// The bodies that lost pairs; none, unless the step exceeded its limits.
     pub crowd: Crowd,
     /// Duration of each stage.
     pub times: [Duration; Stage::COUNT],
@@ -73,7 +73,7 @@ pub struct Counts {
     pub asleep: usize,
     /// Bodies for which the step did nothing.
     pub dormant: usize,
-    /// Bodies of which pairs were left out; see [`StepLimits`](crate::types::limits::StepLimits).
+    /// Number of bodies that lost pairs; see [`StepLimits`](crate::types::limits::StepLimits).
     pub crowded: usize,
 }
 

@@ -1,5 +1,5 @@
-//! How colliders move if nothing stops them, as far as the contact solver looks ahead: to the end of the collision substep
-//! and one solver substep beyond. After the last move its relax passes limit velocities to what a gap leaves for the next.
+//! The free motion of colliders as far as the contact solver looks ahead: to the end of the collision substep and one
+//! solver substep beyond. After the last move, relax passes limit velocities to what a gap leaves for the next one.
 
 use crate::state::{Bodies, StepConfig};
 use crate::types::body::RigidBody;

@@ -13,8 +13,8 @@ const PER_BODY: u64 = 200;
 const PER_SPHERE_PAIR: u64 = 150;
 const PER_PLANE_OF_BODY: u64 = 200;
 const PER_NEAR_PAIR: u64 = 1_000;
-/// For each triangle of a near pair, up to [`MAX_TRIANGLES`]: larger meshes are searched by trees. How much of them is
-/// near the other body counts much more, and is known from the last contact generation.
+/// Cost of each triangle of a near pair, up to [`MAX_TRIANGLES`]: larger meshes are searched by trees. The part near
+/// the other body costs much more; it is known from the last contact generation.
 const PER_TRIANGLE: u64 = 20;
 const MAX_TRIANGLES: usize = 1000;
 const PER_CONTACT_POINT: u64 = 2_000;
@@ -24,7 +24,7 @@ const CONTINUOUS_FACTOR: u64 = 20;
 /// Whether a stage of the next or present step is so small that one thread should run it. The last stage includes the
 /// later collision substeps.
 pub(crate) fn is_small(stage: Stage, step: &StepState) -> bool {
-    // The earlier of these are cheap, and most often enough.
+    // The first test is cheap, and most often decides.
     step.input.bodies.mover_count() as u64 * PER_BODY < SMALL && cost(stage, step) < SMALL
 }
 

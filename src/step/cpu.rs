@@ -141,7 +141,7 @@ fn test_triangles(input: &StepInput, results: &mut StepResults, scratch: &mut St
             })
         }));
         scratch.most_near_pairs = Some(near_pairs.len());
-        // All of them fit, or there is only one.
+        // All pairs fit, or there is only one.
         let _ = test(&input.planes, near_pairs, usize::MAX);
     }
     contacts.face_pairs = contacts.faces.len();
@@ -175,7 +175,7 @@ fn find_sphere_pairs(
         scratch.margins.set_speculative_radii(&mut input.bodies, &config);
         scratch.near_in_step.clear();
         if let Some(contacts) = contacts {
-            // They are those that the first collision substep would have found.
+            // These contacts are the ones that the first collision substep would have found.
             scratch.touches.put_back(&contacts, first_plane);
             results.contacts = results.contacts.merged(&contacts.tested());
         }
@@ -201,7 +201,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
                 results.sphere_pairs.retain(|pair| pair.iter().any(still_moves));
             }
         }
-        // They need the hooks.
+        // These parts need the hooks.
         Part::FilterPairs | Part::ModifyContacts => {}
         Part::FindNearPairs => {
             results.approximate_pairs = angles::cpu::run(

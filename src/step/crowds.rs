@@ -1,4 +1,4 @@
-//! What a step does where so many bodies overlap one another that their faces exceed its limits.
+//! Crowds: so many bodies overlap one another that their intersecting faces exceed the limits of a step.
 
 use crate::state::crowd::Crowd;
 use crate::state::{Bodies, NearPair};
@@ -10,8 +10,8 @@ const PORTION: usize = 256;
 /// Cuts `pairs` down to what fits the limits, and returns the bodies that lose pairs.
 ///
 /// `fits` tests some pairs, and returns whether all that it has tested so far stay within the limits. Pairs with a
-/// static body come first, so that nothing falls through the floor; then those of bodies with few partners. Of the rest
-/// each body keeps about as many as the others do.
+/// static body come first, so that nothing falls through the floor; then pairs of bodies with few partners. The other
+/// bodies keep about equally many pairs each.
 pub(super) fn cut(pairs: &mut Vec<NearPair>, bodies: &Bodies, mut fits: impl FnMut(&[NearPair]) -> bool) -> Crowd {
     let mut partners = vec![0u32; bodies.len()];
     for i in pairs.iter().flat_map(|pair| pair.bodies) {

@@ -1,10 +1,11 @@
 //! Dormant bodies: they sleep, and nothing that is awake is near. A step does nothing for them.
 //!
-//! Bodies whose spheres overlap form a group. If all of a group have slept through a whole step, and none of them is near a body
-//! that is awake or kinematic, the group becomes dormant: its bodies leave the list of [`Bodies::movers`] and wait in a grid of
-//! their own, and its contacts, manifolds and saved impulses wait here. A group is *roused* as soon as a body comes so near that
-//! a step must know the pair, or something static near it changes: its bodies take part again, asleep, as if they had never been
-//! dormant. What users write to a dormant body, and static bodies that come or go, rouse all.
+//! Bodies whose spheres overlap form a group. If all bodies of a group have slept through a whole step, and none is
+//! near a body that is awake or kinematic, the group becomes dormant: its bodies leave the list of [`Bodies::movers`]
+//! and wait in a grid of their own, and its contacts, manifolds and saved impulses wait here. A group is *roused* as
+//! soon as a body comes so near that a step must know the pair, or something static near it changes: its bodies take
+//! part again, asleep, as if they had never been dormant. A write by the user to a dormant body rouses all, and so does
+//! a static body that comes or goes.
 //!
 //! No result depends on which bodies are dormant.
 
@@ -133,7 +134,7 @@ impl StepScratch {
 }
 
 impl Dormant {
-    /// Whether the bodies of a step are those that became dormant, in the same world but for what moves.
+    /// Whether a step has the bodies that became dormant, and nothing else of the world has changed except what moves.
     fn may_last(&self, input: &StepInput) -> bool {
         let StepInput {
             config, bodies, planes, ..
@@ -146,7 +147,8 @@ impl Dormant {
             && !flags.modifies
     }
 
-    /// Begins a step: rouses those for which anything has changed. Their numbers are those of the last step.
+    /// Begins a step: rouses dormant bodies for which anything has changed. Their numbers are the same as in the last
+    /// step.
     pub fn begin(
         &mut self,
         input: &mut StepInput,
@@ -220,7 +222,7 @@ impl Dormant {
     #[cfg(feature = "bevy")]
     pub fn complete(&self, memory: &StepMemory, manifolds: &Manifolds) -> (StepMemory, Manifolds) {
         let warm = memory.warm.merged(&self.impulses);
-        // After a step its planes have the numbers of these.
+        // After a step, its planes have the same numbers as the dormant ones.
         let manifolds = manifolds.merged(&self.manifolds, self.first_plane);
         (StepMemory { warm, ..memory.clone() }, manifolds)
     }
@@ -297,7 +299,7 @@ impl Dormant {
         roused
     }
 
-    /// What touches of these bodies, ascending, which are still dormant.
+    /// The contacts of these bodies, which are ascending and still dormant.
     pub fn contacts_of(&self, Met(met): &Met, first_plane: u32) -> Contacts {
         let of = |i: u32| self.group_of.get(i as usize);
         let mut groups: Vec<u32> = met.iter().filter_map(|&i| of(i).copied()).collect();
@@ -335,7 +337,7 @@ impl Dormant {
                 // With several collision substeps its contacts have the points of each.
                 && bodies.travel_time[i] == config.dt
                 && bodies.culling[i] == Culling::Exact
-                // With a capped margin it might meet what its sphere does not.
+                // With a capped margin a body might meet others outside of its sphere.
                 && travel <= BOUND * bodies.thickness[i]
         };
         own.are_still.resize(bodies.len(), false);

@@ -141,7 +141,7 @@ fn is_near(input: &StepInput, i: usize, plane: &Plane) -> bool {
         && height as f32 <= bodies.radius[i] + margin(bodies, i, &input.config)
 }
 
-/// Has the contacts of new manifolds modified, and drops those that the hook drops.
+/// Has the hook modify the contacts of new manifolds, and drops the contacts that it rejects.
 pub(super) fn modify_contacts(step: &mut StepState, number: u32, hooks: &mut dyn StepHooks) {
     let StepState {
         input,

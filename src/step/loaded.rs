@@ -81,8 +81,8 @@ impl StepMemory {
         key > PLANE_KEY - self.planes.len() as u64
     }
 
-    /// Gives colliders other keys, and renumbers them in these and in the `manifolds` of the same step. Forgets everything
-    /// if two get the same key.
+    /// Gives colliders new keys, and renumbers colliders in this memory and in the `manifolds` of the same step.
+    /// Forgets everything if two colliders get the same key.
     pub(crate) fn rekey(&mut self, manifolds: &mut Manifolds, new_key: impl Fn(u64) -> u64) {
         let new_key = {
             let planes = self.planes.len() as u64;

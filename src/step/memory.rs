@@ -38,7 +38,7 @@ pub(super) struct SavedBody {
     pub inputs: PlacedSleepInputs,
     /// The number of its body.
     pub body: u32,
-    /// It had an impact in continuous collision detection.
+    /// Whether the body had an impact in continuous collision detection.
     pub had_impact: bool,
 }
 
@@ -79,8 +79,8 @@ impl StepMemory {
             let params = &bodies.params[i];
             let motion = &solver_bodies.motions[i];
             let at_rest = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
-            // What an impulse or a force sets in motion is awake from the start of the step: its speed counts for collision
-            // substeps, and contact points are found for it.
+            // A body under an impulse or a force is awake from the start of the step: its speed counts for collision
+            // substeps, and its contact points are found.
             let is_woken = params.woken || !same || !at_rest || !solver_bodies.forces[i].is_zero();
             if !params.can_sleep || is_woken && sleep.asleep || all_wake {
                 sleep = SleepState::default();

@@ -101,7 +101,7 @@ impl StepState {
         counts
     }
 
-    /// Copies of the memory and the manifolds of the last step, with those of dormant bodies.
+    /// Copies of the memory and the manifolds of the last step, including dormant bodies.
     #[cfg(feature = "bevy")]
     pub(crate) fn complete_memory(&self) -> (StepMemory, Manifolds) {
         let Self {

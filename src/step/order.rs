@@ -14,9 +14,9 @@ pub enum Part {
     FindSpherePairs,
     /// Leaves out pairs by the caller's hooks. Runs on the CPU only: steps with hooks run there.
     FilterPairs,
-    /// Finds those of these pairs that no support axis separates.
+    /// Finds the sphere pairs that no support axis separates.
     FindNearPairs,
-    /// Tests the triangles of these pairs.
+    /// Tests the triangles of near pairs.
     TestTriangles,
     /// Finds the contact points of pairs that are awake.
     FindContactPoints,
@@ -53,9 +53,9 @@ pub enum Part {
 /// and the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Place {
-    /// It is the first of the step.
+    /// Whether it is the first of the step.
     pub is_first: bool,
-    /// It is the last of the step.
+    /// Whether it is the last of the step.
     pub is_last: bool,
 }
 
@@ -96,7 +96,7 @@ const ORDER: [(Part, When, With); 19] = [
     (Part::FindSpherePairs, When::All, ANY),
     (Part::FilterPairs, When::All, ANY),
     (Part::FindNearPairs, When::All, ANY),
-    // Its results are those at the start of the step.
+    // The results of the triangle test describe the start of the step.
     (Part::TestTriangles, When::First, ANY),
     (Part::FindContactPoints, When::All, POINTS),
     (Part::ModifyContacts, When::All, POINTS),

@@ -1,4 +1,4 @@
-//! How many collision substeps a step needs: as many as the bodies do that can meet in it.
+//! How many collision substeps a step needs: the largest number that any bodies need that can meet in it.
 //!
 //! Bodies whose spheres, swept over the whole step, overlap form a group; what is static joins nothing. Each group
 //! needs the number that its own speeds and its thinnest body ask for, and a body that can meet nothing needs one,
@@ -22,8 +22,8 @@ use crate::state::{Bodies, Plane, StepConfig, StepInput};
 use crate::types::body::RigidBody;
 use glam::{DVec3, Vec3};
 
-/// What bodies may travel in a step beyond the way at their first velocities, in units of their radius, so that the later
-/// collision substeps need no search of their own.
+/// How far bodies may travel in a step beyond the distance at their first velocities, in units of their radius, so that
+/// later collision substeps need no search of their own.
 const ROOM: f32 = 0.06;
 
 /// Scratch memory.
@@ -43,15 +43,15 @@ pub(super) struct Meeting {
     pub speeds: Speeds,
     /// Thickness of the thinnest body, metres.
     thinnest: f32,
-    /// It has two bodies, or one and something static.
+    /// Whether the group has two bodies, or one and something static.
     exists: bool,
     /// The number of collision substeps that it needs.
     pub collision_substeps: u32,
 }
 
 impl Reach {
-    /// Finds the number of collision substeps that each body that moves needs. `drift` is the velocity that
-    /// they have in common, m/s. The pairs that come near each other within the step are kept in `near_in_step`. Changes
+    /// Finds the number of collision substeps that each body that moves needs. `drift` is their common velocity, m/s.
+    /// `near_in_step` receives the pairs that come near each other within the step. Changes
     /// [`Bodies::speculative_radius`] and [`Bodies::travel_time`].
     ///
     /// # Errors
@@ -189,12 +189,12 @@ impl Meeting {
     }
 }
 
-/// How fast the surface of the first body moves relative to its centre of mass where the second may touch it within the step,
-/// m/s. No part of it moves faster than `most`.
+/// Speed of the first body's surface relative to its centre of mass where the second may touch it within the step, m/s.
+/// No part of the surface is faster than `most`.
 fn spin_near(bodies: &Bodies, meshes: &MeshArena, config: &StepConfig, pair: [u32; 2], most: f32) -> f32 {
     let [i, _] = pair;
     if bodies.part(i).is_some_and(|part| part.offset != DVec3::ZERO) {
-        // Its axis does not pass through this collider's centre.
+        // The axis of rotation does not pass through this collider's centre.
         return most;
     }
     let less = bodies.radius[i as usize] - arm_within(bodies, meshes, config, pair, config.dt);

@@ -11,7 +11,7 @@ pub(crate) fn previous_numbers(before: &[u64], now: &[u64]) -> Vec<Option<u32>> 
     if !before.is_sorted() {
         sorted.sort_unstable();
     }
-    // Most keys follow the one that follows that of the key before.
+    // Most keys come right after the previous key in both lists.
     let mut next = 0;
     let find = |&key: &u64| {
         let is_next = sorted.get(next).is_some_and(|(old, _)| *old == key);
@@ -26,8 +26,8 @@ pub(crate) fn previous_numbers(before: &[u64], now: &[u64]) -> Vec<Option<u32>> 
     now.iter().map(find).collect()
 }
 
-/// Appends to `numbers`, which are the new numbers of the old bodies, the new numbers of the `old_count` old
-/// planes. Planes are numbered after the bodies; now there are `new_count` of them after `bodies` bodies.
+/// Appends the new numbers of the `old_count` old planes to `numbers`, the new numbers of the old bodies. Planes are
+/// numbered after the bodies; there are now `new_count` planes after `bodies` bodies.
 pub(crate) fn renumber_planes(numbers: &mut Vec<u32>, old_count: usize, bodies: usize, new_count: usize) {
     numbers.extend((0..old_count).map(|plane| {
         if plane < new_count {

@@ -1,8 +1,8 @@
 //! The collision substeps of a step, and which bodies take part in them.
 //!
-//! Every body passes through the step in equal collision substeps, as many as the bodies need that it can meet. All
-//! begin with the first. A body with fewer than others has completed its step early: it keeps its pose from then on, its
-//! contacts keep their points, and no stage spends time on it.
+//! Every body passes through the step in equal collision substeps, as many as it and the bodies that it can meet need.
+//! All bodies begin with the first. A body with fewer than others completes its step early: it keeps its pose from then
+//! on, its contacts keep their points, and no stage spends time on it.
 
 use crate::solver::Pace;
 use crate::state::{Bodies, StepConfig};

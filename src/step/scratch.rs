@@ -1,5 +1,5 @@
-//! Scratch memory of the CPU's stages. It is reused, so that a step like the last one allocates nothing. No result
-//! depends on it, but for the manifolds of sleeping pairs and what waits for dormant bodies.
+//! Scratch memory of the CPU's stages. It is reused, so that a step like the last one allocates nothing. Results depend
+//! only on its manifolds of sleeping pairs and on what it keeps for dormant bodies.
 
 use super::dormant::Dormant;
 use super::hooks::LeftOut;

@@ -14,8 +14,8 @@ use glam::DVec3;
 /// Impulses within a group change velocities by at most this multiple of the group's relative speed: a light body that
 /// a heavy one hits leaves with twice its speed.
 pub(super) const MAX_SPEED_GAIN: f32 = 2.0;
-/// After so many comparisons of territories of groups that are awake these are joined, and after as many again all groups:
-/// more would take longer than the collision substeps that they save.
+/// After this many comparisons of territories all awake groups are joined, and after as many again all groups: more
+/// comparisons would take longer than the collision substeps that they save.
 const MAX_COMPARISONS: usize = 1 << 17;
 
 /// Scratch memory.
@@ -27,7 +27,7 @@ pub(super) struct Territories {
 /// A group of bodies and the box that their bodies sweep over.
 #[derive(Clone, Copy)]
 struct Territory {
-    /// Its first body.
+    /// First body of the group.
     root: u32,
     /// Whether some body is awake.
     awake: bool,
@@ -59,7 +59,7 @@ impl Territories {
                 comparisons += awake + 1;
                 self.neighbour(&own, config, meetings)
             } else {
-                // Its neighbours with more look for it.
+                // Neighbours with more collision substeps find this group.
                 None
             };
             if comparisons > MAX_COMPARISONS {

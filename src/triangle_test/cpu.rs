@@ -67,8 +67,8 @@ pub(crate) struct TooManyFaces;
 const TASK: usize = 16;
 
 /// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies penetrate
-/// `planes`, if the pair is `wanted`. `manifolds` are those of the last collision substep; inactive pairs touch as they did then.
-/// Pairs for which `is_apart` holds are known not to touch.
+/// `planes`, if the pair is `wanted`. `manifolds` are those of the last collision substep, in which inactive pairs
+/// touch as now. Pairs for which `is_apart` holds do not touch.
 ///
 /// Returns the number of intersecting faces. If it exceeds the `limit`, the test ends early and leaves `contacts` empty.
 pub(crate) fn run(

@@ -119,7 +119,7 @@ fn census(radii: &[f32], members: &[u32]) -> Census {
 }
 
 impl Level {
-    /// Its bodies within `range`.
+    /// Bodies of the level within `range`.
     pub fn part_of(&self, range: &Range<usize>) -> Range<usize> {
         range.start.max(self.first as usize)..range.end.min(self.end as usize)
     }
@@ -321,8 +321,8 @@ impl Grid {
         self.buckets.range(bucket, bucket).end
     }
 
-    /// Adds runs that contain all bodies of these cells, from the first to the last along each axis. Hash collisions
-    /// add others.
+    /// Adds runs that contain all bodies of the cells from `low` to `high` along each axis. Hash collisions add other
+    /// bodies.
     pub fn rows(&self, level: &Level, [low, high]: [[i64; 3]; 2], runs: &mut Vec<Range<usize>>) {
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {

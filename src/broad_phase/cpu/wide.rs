@@ -13,7 +13,7 @@ const ROUNDING: f32 = 1.0e-6;
 pub(crate) struct WideSearch {
     /// Number of bodies.
     count: usize,
-    /// Spheres of those that move.
+    /// Spheres of moving bodies.
     centers: Vec<Vec3>,
     radii: Vec<f32>,
     pairs: Vec<[u32; 2]>,

@@ -11,8 +11,8 @@ use super::pair::Pair;
 use super::side::Side;
 use glam::DVec3;
 
-/// How far from a surface a point may arrive, in units of the rest offset. The gap that is right for bodies at rest must not
-/// hide a surface, and a body may fly past at that distance.
+/// Largest distance from a surface at which a point arrives on it, in units of the rest offset. The gap between bodies
+/// at rest must not hide a surface, and a body may fly past at that distance.
 pub(crate) const TOLERANCE: f64 = 0.25;
 /// Searches for the nearest surface, for a pair. Points beyond that are dropped.
 const MAX_SEARCHES: u32 = 32;
@@ -63,7 +63,7 @@ impl<'a> Arrival<'a> {
             _ => feature.middle(),
         };
         let way = self.way(at);
-        // It is not known here what carries a body. Either way it must arrive on the surface.
+        // What carries a body is not known here. The point must arrive on the surface with and without `fall`.
         let [closing, falling] = [way, fall].map(|way| -feature.normal.dot(way));
         if closing + falling.max(0.0) <= feature.separation - rest_offset {
             return true;
@@ -71,8 +71,8 @@ impl<'a> Arrival<'a> {
         self.arrives(feature, at, way) && (fall == DVec3::ZERO || self.arrives(feature, at, way + fall))
     }
 
-    /// Whether both surfaces are smooth and convex there. The solver rotates the normal of their contact as they pass each
-    /// other.
+    /// Whether both surfaces are smooth and convex at the feature. The solver rotates the normal of their contact as
+    /// they pass each other.
     fn is_round(&self, feature: &Feature) -> bool {
         (0..2).all(|i| self.pair.sides[i].curvature(feature.triangles[i]) > 0.0)
     }
@@ -83,7 +83,7 @@ impl<'a> Arrival<'a> {
         if closing <= gap - self.motion.rest_offset {
             return true;
         }
-        // Both as fractions of the motion.
+        // Both times are fractions of the motion.
         let time = (gap / closing).min(1.0);
         let left = (gap - time * closing).max(0.0);
         let way = time * way;
@@ -100,7 +100,7 @@ impl<'a> Arrival<'a> {
         }
     }
 
-    /// Displacement of the second body's material at a point, relative to that of the first there.
+    /// Displacement of the second body's material at a point relative to the first body's.
     fn way(&self, p: DVec3) -> DVec3 {
         let [a, b] = self.arms(p);
         let [turn_a, turn_b] = self.motion.turns;

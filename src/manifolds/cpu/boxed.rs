@@ -1,5 +1,5 @@
-//! A list of pairs of triangles whose boxes are near. It is filled without branches: processors mispredict those of few
-//! pairs at a time.
+//! A list of pairs of triangles whose boxes are near. It is filled without branches, because processors mispredict
+//! branches over few pairs at a time.
 
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{each_lane, push_some, set_lanes};
@@ -8,7 +8,7 @@ use crate::simd::lanes::{each_lane, push_some, set_lanes};
 #[derive(Default)]
 pub struct BoxedPairs(Vec<[u32; 2]>);
 
-/// The list is full when it has so many pairs.
+/// Number of pairs at which the list is full.
 const FULL: usize = 256;
 
 impl BoxedPairs {

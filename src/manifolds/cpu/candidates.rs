@@ -1,4 +1,4 @@
-//! Candidates: pairs of triangles, with those of their features and crossings that contact points may come from.
+//! Candidates: pairs of triangles with the features and crossings that may give contact points.
 //!
 //! A search finds them with some slack. Until the bodies have moved relative to each other by more than the slack, all
 //! features and crossings are among them. What is computed from candidates is therefore the same to the bit as after a
@@ -18,8 +18,8 @@ use crate::simd::lanes::bits;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// Fractions of the slack. Each candidate tells what it may have after a motion within each of them. Most have nothing within
-/// the first, which covers the motion of bodies at rest.
+/// Fractions of the slack. Each candidate stores what it may have after a motion within each fraction. Most have
+/// nothing within the first, which covers the motion of bodies at rest.
 pub const FRACTIONS: [f64; 3] = [1.0 / 16.0, 1.0 / 4.0, 1.0];
 
 /// A list of candidates.
@@ -35,8 +35,8 @@ pub struct Candidates {
     pub may_cross: [bool; FRACTIONS.len()],
 }
 
-/// Shortens a list that uses less than a quarter of its memory. Short lists stay as they are, so that pairs that come and
-/// go allocate nothing.
+/// Shortens a list that uses less than a quarter of its memory. Short lists keep theirs, so that pairs that come and go
+/// allocate nothing.
 fn shrink<T>(list: &mut Vec<T>, used: usize) {
     const SHORT: usize = 64;
     let used = used.max(SHORT);
@@ -171,9 +171,9 @@ impl Candidates {
         shrink(&mut self.nearest, used);
     }
 
-    /// Calls `found` for each candidate within `reach` that may have features after a motion within this one of
-    /// [`FRACTIONS`] of the slack, in order, and notes those that may cross, by their indices in `placed`. That is memory kept
-    /// between calls.
+    /// Calls `found` in order for each candidate within `reach` that may have features after a motion within the given
+    /// one of [`FRACTIONS`] of the slack. Notes candidates that may cross by their indices in `placed`, which is memory
+    /// kept between calls.
     #[inline(always)]
     pub fn for_each(
         &self,

@@ -74,7 +74,7 @@ struct FirstEnds {
 const NO_END: u32 = u32::MAX;
 
 impl FirstEnds {
-    /// Empties it, with room for so many ends.
+    /// Empties the table and makes room for `ends` ends.
     fn reset(&mut self, ends: usize) {
         self.slots.clear();
         self.slots
@@ -107,7 +107,7 @@ impl Contours {
         self.patches.clear();
     }
 
-    /// Joins the segments of two bodies into contours and patches. `size` is that of the bodies.
+    /// Joins the segments of two bodies into contours and patches. `size` is the size of the bodies.
     pub fn join(&mut self, sides: &[Side; 2], margin: f64, size: f64) {
         self.joined.reset(self.segments.len());
         let ends = 2 * self.segments.len() as u32;
@@ -189,8 +189,8 @@ impl Contours {
         }
     }
 
-    /// Where triangles with overlapping features are, which lie up to `half` from the feature's middle: near patches that are
-    /// not deep.
+    /// The window of triangles with overlapping features: near patches that are not deep. Triangles lie up to `half`
+    /// from the feature's middle.
     pub fn window(&self, half: f64) -> Window {
         let shallow = self.patches.iter().filter(|patch| !patch.too_deep);
         let places = shallow.map(|patch| Place {

@@ -142,8 +142,8 @@ impl<S: Simd> Chord<S> {
         let [p, q, r] = four.corners;
         let [hp, hq, hr] = *heights;
         let [pq, qr, rp] = four.backward;
-        // The first edge that crosses is the one from the first corner, or from the second if the third is alone. The last
-        // is the one from the third corner, or from the second if that is alone.
+        // The first crossing edge starts at the first corner, or at the second if the third is alone. The last starts
+        // at the third corner, or at the second if the second is alone.
         let first = crossing(
             [pick(third, q, p), pick(third, r, q)],
             [third.select(hq, hp), third.select(hr, hq)],

@@ -83,7 +83,7 @@ impl Narrowing {
         if one_sided {
             self.narrow_features(simd, triangles, pairs, limits);
         }
-        // Without slack, the search has compared them with the interval test, and nobody needs their gap.
+        // Without slack, the search has compared the triangles by the interval test, and their gap is not needed.
         if limits.has_slack {
             self.narrow_crossings(simd, triangles, pairs, limits);
         }
@@ -233,7 +233,7 @@ fn vertices_over<S: Simd>(simd: S, corners: &[Corner; 8], limits: &Limits) -> u3
     let ways = [sub(p, over[0]), sub(p, over[1]), sub(p, over[2])];
     let height = dot(ways[0], normal);
     let error = norm1(ways[0]) * tilt + pad;
-    // Comparisons with NaN are false, so these say where there is no feature.
+    // Comparisons with NaN are false, so the tests mark lanes without a feature.
     let mut none = height.simd_lt(splat(simd, limits.lowest) - error);
     none |= height.simd_gt(splat(simd, limits.highest) + error);
     let lateral = (splat(simd, limits.lateral) + error) * splat(simd, 1.0 + ERROR);
@@ -275,7 +275,7 @@ fn edges_near<S: Simd>(simd: S, ends: &[[[&[f32; 4]; 2]; 2]; 8], limits: &Limits
 struct TwoTriangles<S: Simd> {
     a: [Points<S>; 3],
     b: [Points<S>; 3],
-    /// Each from its corner to the next one.
+    /// Edges from each corner to the next.
     edges_a: [Points<S>; 3],
     edges_b: [Points<S>; 3],
 }

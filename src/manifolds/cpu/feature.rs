@@ -44,8 +44,8 @@ pub enum Origin {
     Vertex { side: u8, vertex: u32 },
     /// Two edges, by their positions in the triangles that own them.
     Edges([u8; 2]),
-    /// A vertex of this side near the other side's edge, by its position in the triangle that owns it. The triangle of its
-    /// own side owns the vertex.
+    /// A vertex of `side` near an edge of the other side, given by its position in the triangle that owns it. The
+    /// triangle of `side` owns the vertex.
     VertexEdge { side: u8, edge: u8, vertex: u32 },
     /// Two vertices, by their positions in the triangles that own them.
     Vertices([u8; 2]),

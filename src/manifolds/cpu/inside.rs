@@ -46,7 +46,7 @@ fn component_inside(outer: &Side, inner: &Side) -> Option<DVec3> {
         if is_off(placed) {
             return Some(placed);
         }
-        // It touches the surface. Another vertex of its component tells.
+        // This vertex touches the surface. Another vertex of its component decides.
         let features = inner.features;
         let first = features.vertices.iter().position(|vertex| *vertex == p)?;
         let same = |v: &u32| features.components[*v as usize] == features.components[first];

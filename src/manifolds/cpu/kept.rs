@@ -8,22 +8,22 @@ use crate::geometry::features::MeshFeatures;
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::{Arc, Weak};
 
-/// Rounding allowance of motions, in units of the bodies' size. So surfaces that do not cross are at least so far apart.
+/// Rounding allowance of motions, in units of the bodies' size. Surfaces that do not cross are at least this far apart.
 const ROUNDING: f64 = 1.0e-9;
 /// Upper bound of the distance of surfaces that the triangle test cannot tell from intersecting ones, in units of the sum of
 /// the bounding radii and of the distances of the meshes' origins.
 const UNDECIDED: f64 = 1.0e-13;
-/// Most candidates that are kept, for a pair and of each kind: 4 MiB. The flanks of a finely tessellated thread have so many.
+/// Most candidates of each kind kept for a pair: 4 MiB. The flanks of a finely tessellated thread have so many.
 const MAX_CANDIDATES: usize = 1 << 18;
 
-/// A search has as much slack as the bodies need for so many calls, as they have moved since the last search.
+/// A search has the slack that the bodies need for this many calls, at their motion since the last search.
 const CALLS: f64 = 4.0;
-/// After so many calls, bodies have probably come to rest. If they have moved since the search, a new one gives fewer
-/// candidates that matter.
+/// After this many calls, bodies have probably come to rest. If they have moved since the search, a new search leaves
+/// fewer candidates to test.
 const CALLS_TO_REST: u32 = 32;
 /// Least slack, in units of the bodies' size.
 const LEAST_SLACK: f64 = 0.004;
-/// Memory that so many searches have not used is returned.
+/// Memory is returned after this many searches that have not used it.
 const SEARCHES: u32 = 256;
 
 /// What a pair keeps: it saves searches and changes no result. It is valid for any two bodies with the same meshes,
@@ -49,11 +49,11 @@ pub struct KeptCandidates {
     slack: Slack,
     /// More slack gives very many candidates.
     slack_limit: Option<f64>,
-    /// They were found for this margin.
+    /// The margin of the search.
     margin: f64,
-    /// Where they were searched, without the slack.
+    /// Window of the search, without the slack.
     window: Option<Window>,
-    /// Number of times that they were used.
+    /// Number of times that the candidates were used.
     uses: u32,
     /// The searches since memory was last returned.
     recent: Recent,
@@ -88,7 +88,7 @@ pub struct RelativePose {
 }
 
 impl Kept {
-    /// Makes it that of a new pair. Small allocations stay.
+    /// Resets this to the state of a new pair. Small allocations stay.
     pub fn forget(&mut self) {
         self.begin(None);
         for kept in [&mut self.near, &mut self.deep] {
@@ -100,7 +100,7 @@ impl Kept {
         }
     }
 
-    /// Makes it that of a pair that is used once, so that slack would be wasted. The allocations stay.
+    /// Resets this for a single call, for which slack would be wasted. The allocations stay.
     pub fn for_one_call(&mut self) -> &mut Self {
         self.begin(Some(0.0));
         self
@@ -244,7 +244,7 @@ impl KeptCandidates {
         }
     }
 
-    /// Makes room for the candidates of so many shares. More stay empty, so that their memory is kept.
+    /// Makes room for the candidates of `shares` shares. Surplus ones stay, empty, so that their memory is kept.
     pub fn make_room(&mut self, shares: usize) {
         if self.shares.len() < shares {
             self.shares.resize_with(shares, Candidates::default);

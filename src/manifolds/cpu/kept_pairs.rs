@@ -15,7 +15,7 @@ pub struct KeptPairs {
     /// Memory of pairs that are gone. New pairs take that with the least number, so that the same memory is used again
     /// and again and soon has its final size.
     free: Vec<KeptPair>,
-    /// How many there are in all.
+    /// Number of all pairs, including free ones.
     count: u32,
 }
 
@@ -91,7 +91,7 @@ impl KeptPairs {
         self.pairs.iter().any(|pair| pair.kept.is_large())
     }
 
-    /// Gives pairs their new bodies. Those for which there are none are dropped.
+    /// Gives pairs their new bodies. Pairs without new bodies are dropped.
     pub fn renumber(&mut self, renumbered: impl Fn([u32; 2]) -> Option<[u32; 2]>) {
         self.pairs.append(&mut self.waiting);
         self.pairs.sort_unstable_by_key(|pair| pair.bodies);

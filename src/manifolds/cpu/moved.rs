@@ -18,7 +18,7 @@ pub struct Reuse {
     pub step: u64,
     /// Upper bound of the distance that the surfaces may have moved relative to each other since, metres.
     pub travel: f32,
-    /// The pair overlaps by at least so much, metres.
+    /// Lower bound of the pair's overlap, metres.
     pub depth: f32,
 }
 

@@ -32,7 +32,7 @@ pub struct NearTriangles {
     listed: [Vec<u32>; 2],
     /// The triangles of `pairs`.
     numbers: [Vec<u32>; 2],
-    /// Each of `numbers` in double precision.
+    /// The triangles of `numbers` in double precision.
     placed: [Vec<Triangle>; 2],
 }
 
@@ -110,7 +110,7 @@ impl NearTriangles {
         add_near(simd, triangles, boxed.all(), search, &limits, pairs, nearest);
         let triangles = triangles.map(<[_]>::as_flattened);
         narrowing.run(simd, triangles, pairs, one_sided, &limits);
-        // The pairs get the indices of their triangles in the lists of those that are left.
+        // The pairs get the indices of their triangles in the lists of remaining triangles.
         for (side, triangles) in triangles.into_iter().enumerate() {
             let (listed, numbers) = (&mut listed[side], &mut numbers[side]);
             listed.clear();
@@ -276,7 +276,7 @@ pub(super) mod tests {
         sorted(every)
     }
 
-    /// The features that a search finds, and those of its candidates, which are none without slack.
+    /// The features that a search finds, and the features of its candidates. Without slack there are no candidates.
     fn found_features(pair: &Pair, reach: f64, slack: Slack) -> [Middles; 2] {
         let sides = &pair.sides;
         let mut clusters = NearClusters::default();
@@ -359,7 +359,7 @@ pub(super) mod tests {
         assert!(found > 200, "{found} features of {pairs} pairs");
     }
 
-    /// The pairs of triangles that cross, of those that may.
+    /// The pairs of triangles that cross, among those that may.
     fn crossing(pair: &Pair, may_cross: &Crossings, triangles: [&[Triangle]; 2]) -> Vec<[u32; 2]> {
         let (mut segments, rounding) = (Vec::new(), ROUNDING * f64::from(pair.pose.size));
         may_cross.segments(baseline(), &pair.sides, triangles, rounding, &mut segments);

@@ -34,7 +34,7 @@ pub struct NearClusters {
     descent: Descent,
     /// Clusters of the second body, in the order of the traversal, and then some of earlier pairs.
     seconds: Vec<PlacedCluster>,
-    /// The triangles of those.
+    /// The triangles of these clusters.
     triangles: Vec<[SmallTriangle; CLUSTER]>,
     /// Number of clusters of the second body.
     second_count: usize,
@@ -82,7 +82,7 @@ impl NearClusters {
         &self.seconds[..self.second_count]
     }
 
-    /// Their triangles.
+    /// The triangles of the second body's clusters.
     pub fn triangles(&self) -> &[[SmallTriangle; CLUSTER]] {
         &self.triangles[..self.second_count]
     }
@@ -92,7 +92,7 @@ impl NearClusters {
         self.count
     }
 
-    /// Splits the clusters of the first body into so many consecutive ranges, with about equally many pairs each.
+    /// Splits the clusters of the first body into `shares` consecutive ranges with about equally many pairs each.
     pub fn split(&self, shares: usize, mut share: impl FnMut(Range<usize>)) {
         let (mut first, mut passed, mut done) = (0, 0, 0);
         for (end, (_, others)) in (1..).zip(self.descent.pairs()) {

@@ -64,7 +64,7 @@ impl NearFeatures {
         }
     }
 
-    /// Appends those that count to the pair's other features.
+    /// Appends the features that count to the pair's other features.
     pub fn append_to(&mut self, features: &mut Vec<Feature>) {
         if !self.of_sheets.is_empty() {
             self.drop_known(features);

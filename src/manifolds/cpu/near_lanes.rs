@@ -14,7 +14,7 @@ use crate::simd::lanes::{
 };
 use crate::triangle_test::cpu::interval_test::decide_by;
 
-/// A reach is wide if it is more than this many times the distance of triangles that may cross.
+/// A reach is wide if it exceeds this multiple of the distance of triangles that may cross.
 const WIDE: f32 = 4.0;
 
 /// Lanes of pairs of triangles, and what they may have.
@@ -52,7 +52,7 @@ impl NearLanes {
                 found.crossing &= bitmask(boxes_are_within(a, b, close) & !apart);
             }
             if !limits.has_slack {
-                // With slack, they are compared with each other's edges later, which gives their distance, too.
+                // With slack, triangles are compared with each other's edges later, which also gives their distance.
                 found.crossing &= may_cross([a, b], [&over_a, &over_b], limits.pad);
             }
         }
@@ -210,7 +210,7 @@ impl<S: Simd> Heights<S> {
         least(self.heights).simd_gt(most) | largest(self.heights).simd_lt(-most)
     }
 
-    /// For each corner, those of the lanes in which its height may be the separation of a feature.
+    /// For each corner, the `lanes` in which its height may be the separation of a feature.
     #[inline(always)]
     fn corners(&self, limits: &Limits, lanes: u32) -> [u32; 3] {
         let simd = self.error.simd;
@@ -225,7 +225,7 @@ impl<S: Simd> Heights<S> {
         )
     }
 
-    /// For each edge, those of the lanes in which it may come as near to the plane as `most`.
+    /// For each edge, the `lanes` in which it may come as near to the plane as `most`.
     #[inline(always)]
     fn edges(&self, most: f32x8<S>, lanes: u32) -> [u32; 3] {
         let most = most + self.error;

@@ -14,10 +14,10 @@ use crate::simd::lanes::bits;
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-/// Sine of the angle between the way and a face's normal, or an edge's perpendicular, below which it counts as that. It keeps
-/// the condition of points that all but touch from being that of [`OUTSIDE`] alone, which all ways would meet.
+/// Sine of the angle between the way and a face's normal, or an edge's perpendicular, below which both count as equal.
+/// Without it, points that almost touch would only have to meet [`OUTSIDE`], which all ways do.
 pub(crate) const ALONG: f64 = 1.0e-3;
-/// Sine of the angle below which two edges have no nearest points within both but for rounding.
+/// Sine of the angle below which only rounding gives two edges nearest points within both.
 const EXACTLY_PARALLEL: f64 = 1.0e-7;
 /// Rounding error of a position, relative to the largest coordinate.
 const ROUNDING: f64 = 1.0e-14;
@@ -53,8 +53,8 @@ impl Wider {
         self.slack.distance + self.slack.rotation * (way + self.slack.distance) + self.rounding
     }
 
-    /// How far beside an edge, or beyond the end of one of this length, points still count as over the face, or beside the
-    /// edge.
+    /// How far beside an edge, or beyond the end of an edge of this `length`, points still count as over the face, or
+    /// beside the edge.
     fn outside(way: f64, length: f64) -> f64 {
         (OUTSIDE * length).min(ALONG * way)
     }
@@ -154,7 +154,7 @@ struct Points {
     origin: Origin,
 }
 
-/// The direction that separates two features of which these lie outward; zero if their points do not touch.
+/// The direction that separates two features with the outward vectors `of`; zero if their points do not touch.
 fn outward(distance: f64, wider: &Wider, of: impl Fn() -> [DVec3; 2]) -> DVec3 {
     if distance > wider.rounding {
         return DVec3::ZERO;

@@ -36,9 +36,9 @@ pub(crate) const SHALLOW: f64 = 0.002;
 /// Points of smooth surfaces are one if they are closer than this, in units of the size, and their normals too.
 pub(crate) const SAME_CONTACT: f64 = 1.0e-3;
 
-/// The `place` of a point that stands for a patch without ray hits; those of rays in the patch are smaller.
+/// The `place` of a point that stands for a patch without ray hits. Rays in the patch have smaller ones.
 const MIDDLE: u8 = 5;
-/// The `place` of the point where the first body reaches deepest; the next is that of the second.
+/// The `place` of the point where the first body reaches deepest. The second body has the next one.
 const DEEPEST: u8 = 6;
 /// How far to the side of a patch, in units of its depth there, a vertex may lie that belongs to it.
 pub(crate) const ASIDE: f64 = 2.0;
@@ -334,7 +334,7 @@ pub struct PairPoint {
     pub point: ManifoldPoint,
     /// From the centres of mass to the points on the meshes, inside of the smooth surfaces.
     pub on_meshes: [DVec3; 2],
-    /// It stands for a smooth surface that touches elsewhere.
+    /// Whether the point stands for a smooth surface that touches elsewhere.
     pub elsewhere: bool,
 }
 
@@ -402,8 +402,8 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Adds the manifold points of reduced features, of which the first is the deepest. Smooth surfaces have one point
-    /// where they touch, not one of each vertex nearby.
+    /// Adds the manifold points of reduced features. The first feature is the deepest. A smooth surface has one point
+    /// where it touches, not one per nearby vertex.
     pub fn add_points(&self, chosen: &[Feature], spin: DVec3, mut add: impl FnMut(ManifoldPoint)) {
         let mut added = arrayvec::ArrayVec::<ManifoldPoint, MAX_POINTS>::new();
         let close = (SAME_CONTACT * self.size) as f32;

@@ -22,8 +22,8 @@ pub fn edge_parts([first, second]: [u32; 2]) -> Parts {
     ROWS[first as usize] & COLUMNS[second as usize]
 }
 
-/// For each set of three edges of one triangle, their [`Parts`] with all edges of the other. `parts` are those of the first,
-/// `shift` leads to the next.
+/// For each subset of the three edges of one triangle, its [`Parts`] with all edges of the other. `parts` are those of
+/// the first edge; `shift` leads to the next edge.
 const fn edge_sets(parts: Parts, shift: usize) -> [Parts; 8] {
     let mut sets = [0; 8];
     let mut set = 0;

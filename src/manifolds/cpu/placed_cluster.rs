@@ -27,7 +27,7 @@ pub struct PlacedCluster {
     /// Extent along [`Window::direction`](super::search::Window::direction).
     min_along: Stored,
     max_along: Stored,
-    /// Lanes that hold a triangle, and those that take part.
+    /// Lanes that hold a triangle, and lanes that take part.
     all_lanes: u32,
     pub lanes: u32,
     /// Lanes whose face, and lanes whose edges, may have a feature with a wanted normal.
@@ -144,7 +144,8 @@ impl PlacedCluster {
         self.all_lanes = own.lanes;
     }
 
-    /// Finds the box around its triangles, with which clusters of the other body are compared. Only one body needs them.
+    /// Finds the box around this cluster's triangles, with which clusters of the other body are compared. Only one body
+    /// needs such boxes.
     #[inline(always)]
     pub fn fit<S: Simd>(&mut self, simd: S) {
         let (mut low, mut high) = (load_points(simd, &self.min), load_points(simd, &self.max));
@@ -166,7 +167,7 @@ impl PlacedCluster {
         self.lanes & bitmask(self.boxes_are_near(simd, &other.bounds, limits.reach))
     }
 
-    /// Lanes of `other` whose triangles may be near that in lane `i`: their boxes are no farther apart than the reach, and
+    /// Lanes of `other` whose triangles may be near triangle `i`: their boxes are no farther apart than the reach, and
     /// both are in the window.
     #[inline(always)]
     pub fn near_boxes<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> u32 {

@@ -39,8 +39,8 @@ struct LowVertex {
     separation: f32,
     /// The squared distance to the nearest selected vertex.
     apart: f32,
-    /// Where it touches, relative to the centre of mass, in the mesh's axes. Vertices of a cube are exactly as far from each
-    /// other there as others, so that ties are decided by their order.
+    /// Touching point relative to the centre of mass, in the mesh's axes. In these axes equal distances between
+    /// vertices of a cube are exactly equal, so their order decides ties.
     position: Vec3,
     /// `position` in the world's axes.
     anchor: DVec3,
@@ -99,7 +99,7 @@ pub fn find(
     }
 }
 
-/// The height of vertices over a plane below which there are contact points, metres.
+/// Height over a plane below which vertices have contact points, metres.
 pub(crate) fn margin(bodies: &Bodies, body: usize, config: &StepConfig) -> f32 {
     let dt = bodies.travel_time[body];
     let speed = bodies.linear_velocity[body].length() + sway(bodies, config, body, dt);
@@ -140,7 +140,7 @@ fn manifold(
     let placement = frame.rotation * DMat3::from_diagonal(frame.scale);
     let spin = bodies.angular_velocity[body].as_dvec3();
     vertices.clear();
-    // The lowest of those that stand for a surface that touches elsewhere.
+    // The lowest vertex that stands for a surface that touches elsewhere.
     let mut lowest: Option<LowVertex> = None;
     visit(&lanes.vertex_levels, reaches, |group| {
         let (eight, held) = &lanes.vertices[group as usize];

@@ -31,9 +31,9 @@ pub struct RimEnd {
 #[derive(Clone, Copy, Debug)]
 pub struct Rim {
     pub side: usize,
-    /// Its middle.
+    /// Middle of the part within the other body.
     middle: DVec3,
-    /// From there to one end.
+    /// From the middle to one end.
     half: DVec3,
     depth: f64,
 }
@@ -57,7 +57,8 @@ impl RimEnd {
 }
 
 impl Rim {
-    /// The rim of a contour with these ends, and the normal, from the first body to the second. `size` is that of the bodies.
+    /// The rim of a contour with these ends, and the normal, from the first body to the second. `size` is the size of
+    /// the bodies.
     pub fn new(sides: &[Side; 2], segments: &[Segment], ends: &[RimEnd], size: f64) -> Option<(Self, DVec3)> {
         let mean = |side: usize| {
             let own = ends.iter().filter(|end| end.side == side);
@@ -125,7 +126,7 @@ impl Rim {
     }
 }
 
-/// The way on which a rim within a body leaves it: the mean of the normals of that surface along the contour, or from the
+/// The direction in which a rim within a body leaves it: the mean of the body's normals along the contour, or from the
 /// rim's `middle` to the contour's.
 fn way_out(other: &Side, segments: &[Segment], number: usize, middle: DVec3) -> Option<DVec3> {
     let (mut sum, mut center, mut length) = (DVec3::ZERO, DVec3::ZERO, 0.0);

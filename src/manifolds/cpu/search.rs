@@ -29,9 +29,9 @@ impl std::ops::Mul<f64> for Slack {
 
 /// Which features of a pair are wanted now.
 pub struct Wanted {
-    /// Their largest separation or overlap, metres.
+    /// Largest separation or overlap of features, metres.
     pub margin: f64,
-    /// Their separations, metres.
+    /// Separations of features, metres.
     pub range: RangeInclusive<f64>,
     /// Largest distance of two triangles with such a feature, metres.
     pub reach: f64,
@@ -75,7 +75,7 @@ pub struct Place {
     pub normal: Vec3,
 }
 
-/// Places of a window. Where there are more, one ball holds them all.
+/// Most places of a window. If there are more, one ball holds them all.
 pub const MAX_PLACES: usize = 4;
 /// Places whose normals differ by more, as a chord, do not find the same features.
 const MAX_TURN: f32 = 0.2;
@@ -114,7 +114,7 @@ impl Window {
         &self.places[..self.count]
     }
 
-    /// Boxes around the places, wider by `pad` for rounding, in a unit of length with so many units per metre.
+    /// Boxes around the places, wider by `pad` for rounding, with `unit` units of length per metre.
     pub fn boxes(&self, pad: f32, unit: f32) -> ArrayVec<Aabb, MAX_PLACES> {
         let around = |place: &Place| {
             let half = Vec3::splat(place.reach(pad));
@@ -146,13 +146,13 @@ impl Window {
 }
 
 impl Place {
-    /// The radius with allowances for rounding; `pad` is that of positions.
+    /// The radius with allowances for rounding; `pad` is the allowance of positions.
     #[inline(always)]
     pub fn reach(&self, pad: f32) -> f32 {
         AROUND_ERROR * self.radius + pad
     }
 
-    /// A ball around all of these.
+    /// A ball around all places.
     fn around(all: impl Iterator<Item = Self> + Clone) -> Self {
         let bounds = all.clone().fold(Aabb::EMPTY, |bounds, place| {
             bounds.union(Aabb::around([place.center - place.radius, place.center + place.radius]))

@@ -47,8 +47,8 @@ struct Share {
 }
 
 impl Shares {
-    /// Finds the wanted features that `admit` admits, and the segments in which triangles cross. Uses as many threads of
-    /// the current pool; one is the calling thread. Tells where the candidates came from.
+    /// Finds the wanted features that `admit` admits, and the segments in which triangles cross. Uses `threads` threads
+    /// of the current pool; one is the calling thread. Returns where the candidates came from.
     pub fn find(
         &mut self,
         pair: &Pair,

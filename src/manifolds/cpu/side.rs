@@ -81,8 +81,8 @@ pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2]) -> [Side<'a>; 2] {
     ]
 }
 
-/// Offset of the second of two bodies of equal meshes: not zero if they coincide. Coinciding surfaces do not intersect in
-/// contours, so they would give no way out. The meshes may have been loaded twice.
+/// Offset of the second of two bodies with equal meshes; not zero if they coincide. Coinciding surfaces have no
+/// contours, so nothing would separate them. The meshes may have been loaded twice.
 fn nudge(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
     let size = f64::from(a.radius.min(b.radius));
     let same = a.mesh.fingerprint() == b.mesh.fingerprint()

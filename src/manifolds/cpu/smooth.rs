@@ -67,7 +67,7 @@ struct Surface {
 }
 
 impl Surface {
-    /// The way along the surface to where its normal has turned by so much.
+    /// The displacement along the surface to where its normal has turned by `turn`.
     fn way(&self, turn: DVec3) -> DVec3 {
         self.placement * (self.radii * (self.placement.transpose() * turn))
     }
@@ -78,7 +78,7 @@ impl Surface {
 pub enum AtVertex {
     /// A corner, which touches itself and rotates with the body.
     Corner,
-    /// It stands for a smooth surface, which touches nearer to other vertices.
+    /// A vertex of a smooth surface that touches nearer to other vertices.
     Elsewhere,
     Round(RoundContact),
 }

@@ -1,4 +1,4 @@
-//! In how many batches contact points are made of the pairs.
+//! The number of batches in which pairs get their contact points.
 //!
 //! A pair needs most of its memory between the search for near triangles and its contact points, and nothing of it afterwards.
 //! So batches of pairs follow each other in the same lists: those of [`ContactScratch`]. Each batch takes as many dispatches as
@@ -8,9 +8,9 @@
 //! There are more when a list of a batch is too short, and fewer when half as many would have done for hundreds of steps. What
 //! all pairs would take does not depend on the number of batches, so the number does not go back and forth.
 //!
-//! A pair that takes more than a batch should makes the lists longer, and not the batches more: in any batch it would be as
-//! large. Only if a list were longer than the device allows, there are twice as many batches, and again, before that is an
-//! error: it may be several pairs.
+//! A pair that takes more than a batch should makes the lists longer instead of adding batches, because it would be as
+//! large in any batch. Only if a list would be longer than the device allows, the number of batches is doubled,
+//! repeatedly, before that is an error: the list may hold several pairs.
 //!
 //! Batches are interleaved: see `shaders/manifolds/batches.wgsl`. The results do not depend on their number.
 
@@ -44,8 +44,8 @@ impl BatchSize {
         Self::with_longest(longest_list(gpu))
     }
 
-    /// For a device that binds lists of so many bytes. A batch takes no more than half of that, because lists have some room
-    /// to spare.
+    /// The size for a device that binds lists of up to `longest` bytes. A batch takes no more than half of that,
+    /// because lists have some room to spare.
     pub fn with_longest(longest: u64) -> Self {
         Self {
             bytes: BYTES.min(longest / 2),

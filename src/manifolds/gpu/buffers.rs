@@ -51,9 +51,9 @@ impl Default for ContactCapacity {
 }
 
 impl ContactCapacity {
-    /// At least `needed` of each, with some to spare where this capacity does not suffice. The lists of batches must have been
-    /// measured with as many batches as this capacity has. If one of them is too short there are more batches, if that
-    /// is needed too, and only then longer lists.
+    /// At least `needed` of each, with some to spare where this capacity does not suffice. The lists of batches must
+    /// have been measured with as many batches as this capacity has. If one of them is too short, there are at least as
+    /// many batches as `needed` has; lists get longer only if they are still too short.
     pub fn grown(self, needed: Self) -> Self {
         let batches = if self.holds_batches_of(&needed) {
             self.batches
@@ -154,7 +154,7 @@ buffers! {
         near_arguments: INDIRECT u32, 6u32, "contact arguments for pieces";
         /// Pairs of bodies, ascending.
         margin_pairs: ARRAY MarginPair, capacity.margin_pairs, "pairs with margins";
-        /// The numbers of those whose contact points are found, in any order.
+        /// The numbers of pairs whose contact points are found, in any order.
         active_pairs: ARRAY u32, capacity.margin_pairs, "active pairs";
         /// Points in any order.
         staged: ARRAY ContactPoint, capacity.staged_points, "staged contact points";
@@ -182,9 +182,9 @@ buffers! {
         near_triangles: ARRAY [u32; 4], capacity.near_triangles, "near triangles";
         /// Pieces of pairs of large meshes, for both searches.
         near_pieces: ARRAY NearPiece, capacity.pieces, "pieces of pairs with margins";
-        /// Their features.
+        /// Features of a batch.
         features: ARRAY Feature, capacity.features, "contact features";
-        /// The segments in which they cross.
+        /// Segments in which triangles cross.
         segments: ARRAY Segment, capacity.segments, "contour segments";
         /// Links between segments: eight words per segment.
         contour_links: ARRAY u32, 8 * u64::from(capacity.segments), "contour links";

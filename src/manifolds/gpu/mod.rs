@@ -88,7 +88,7 @@ const FEATURES_OF_PIECES: [Kernel; 2] = [
 const NEAR_FEATURES: Kernel = kernel!("manifolds/near_features");
 /// Drops speculative points where the surfaces do not meet.
 const ARRIVAL: Kernel = kernel!("manifolds/arrival");
-/// Finds where pairs meet of which points were dropped.
+/// Finds where pairs with dropped points meet.
 const FIRST_CONTACT: Kernel = kernel!("manifolds/first_contact");
 /// Joins contours and computes patches.
 const CONTOUR: Kernel = kernel!("manifolds/contour");

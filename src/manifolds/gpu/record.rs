@@ -71,7 +71,7 @@ fn record_batch(calls: &mut Calls, capacity: &ContactCapacity, batch: u32) {
     reduce::record(calls, constants);
 }
 
-/// Adds the calls that find all features, or in the second search those that overlap.
+/// Adds the calls that find all features, or overlapping ones in the second search.
 fn record_search(calls: &mut Calls, search: u32) {
     let per_pair = per(GROUPS_PER_BATCH_PAIR);
     let per_piece = Groups::Indirect("near_arguments", search);

@@ -104,7 +104,7 @@ impl Triangles {
         };
         for mesh in meshes {
             let Self { vertices, faces } = Self::of(mesh)?;
-            // An index beyond the vertices of its own mesh stays one beyond those of all, and is reported later.
+            // An index beyond the vertices of its own mesh stays beyond all vertices, and is reported later.
             let (first, beyond) = (all.vertices.len() as u32, vertices.len() as u32);
             let shifted = |i: u32| if i < beyond { i + first } else { u32::MAX };
             all.faces.extend(faces.into_iter().map(|face| face.map(shifted)));

@@ -137,8 +137,8 @@ impl AssetLoader for CollisionMeshLoader {
     }
 }
 
-/// The mesh of a baked file that is older than its source, baked anew. `None` if the baked file is to be used. Adds to
-/// `warnings` what is wrong with it.
+/// A fresh bake of a baked file that is older than its source. `None` if the baked file is good. Adds to `warnings`
+/// what is wrong with the file.
 async fn load_fresh(
     context: &mut LoadContext<'_>,
     path: &AssetPath<'static>,
@@ -161,7 +161,7 @@ async fn load_fresh(
             mesh_path,
             mesh,
         } => {
-            // The options of a bake override the recipe, so the settings are those of the file.
+            // The options of a bake override the recipe, so the file's settings count.
             let wanted = Wanted {
                 bake: bake.or(Some(header.settings)),
                 part: recipe.part,

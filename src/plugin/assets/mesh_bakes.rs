@@ -83,7 +83,7 @@ pub(crate) struct MeshBakes {
     missing: HashSet<AssetId<Mesh>>,
     /// Files beside a mesh's file that could not be loaded, with the meshes that they are for.
     missing_beside: HashMap<AssetId<CollisionMesh>, Vec<AssetId<Mesh>>>,
-    /// Files beside a mesh's file that have the names of several meshes.
+    /// Files beside a mesh's file whose names fit several meshes.
     ambiguous: HashSet<AssetPath<'static>>,
     /// Meshes that changed since the last frame.
     pub changed: Vec<AssetId<Mesh>>,
@@ -196,7 +196,8 @@ impl MeshBakes {
         source: &Source,
         assets: &mut BakeAssets,
     ) -> Poll<Result<Handle<CollisionMesh>, MeshBakeError>> {
-        // Whoever waits for such a mesh may wait forever. It is not remembered: a game may insert a mesh for this handle.
+        // Waiting for such a mesh may last forever. The mesh is not remembered as missing: a game may insert one for
+        // this handle.
         let is_missing = |handle: &Handle<Mesh>| *handle == Handle::default() && !assets.meshes.contains(handle);
         if source.meshes.iter().any(is_missing) {
             return Poll::Ready(Err(MeshBakeError::NoMesh));

@@ -1,8 +1,9 @@
 //! Baked files whose source has changed since.
 //!
-//! Bevy's readers tell no modification times, and these would be wrong after a checkout or an unpacked archive. But a baked
-//! file holds the hash of its source. The source is looked for beside it: first what the recipe `knot.bake.ron` of
-//! `knot.faceoff` names, else a mesh file of the same name. A game that is shipped without its sources has nothing to look at.
+//! Bevy's readers give no modification times, which would also be wrong after a checkout or an unpacked archive. But a
+//! baked file holds the hash of its source. The source is looked for beside it: first the file that the recipe
+//! `knot.bake.ron` of `knot.faceoff` names, else a mesh file of the same name. A game that is shipped without its
+//! sources has nothing to compare.
 
 use super::jobs::on_compute_pool;
 use super::loader::{mesh_path, path_beside, read_file};
@@ -17,22 +18,22 @@ const SOURCES: [&str; 6] = ["glb", "gltf", "obj", "stl", "ply", "off"];
 
 /// What is known of the source of a baked file.
 pub(super) enum State {
-    /// It is as it was, or not there.
+    /// The source has not changed, or does not exist.
     Fresh,
-    /// The recipe beside the baked file names a mesh that is not the one that was baked.
+    /// The recipe beside the baked file names another mesh than the baked one.
     Recipe {
         recipe_path: AssetPath<'static>,
         recipe: Recipe,
         mesh_path: AssetPath<'static>,
         mesh: Vec<u8>,
     },
-    /// There is no recipe, and this file of the same name is not the one that was baked. It may never have been.
+    /// There is no recipe, and this file of the same name differs from the baked mesh. It may be an unrelated file.
     Other(AssetPath<'static>),
 }
 
 /// Compares the baked file at `path` with its source.
 pub(super) async fn state(context: &mut LoadContext<'_>, path: &AssetPath<'static>, baked_from: Hash) -> State {
-    // A browser would ask the server for each of these files, and each miss is an error in its console.
+    // A browser would ask the server for each candidate file, and each miss is an error in its console.
     let asks_a_server = cfg!(target_arch = "wasm32");
     // The asset processor, and programs that bake at run time, write no hash.
     if asks_a_server || baked_from == Hash::default() {

@@ -4,7 +4,7 @@ use super::Character;
 use crate::plugin::queries::{QueryShape, RayHitData, ShapeHitData, SpatialQuery, SpatialQueryFilter};
 use bevy::prelude::*;
 
-/// Shorter ways are none, metres.
+/// Shortest distance that counts as a motion, metres.
 pub(super) const SHORTEST: f32 = 1.0e-6;
 /// How often it is pushed out of overlaps in a step.
 const MAX_PUSHES: usize = 8;
@@ -27,7 +27,7 @@ pub(super) struct Capsule<'a, 'w, 's> {
 
 /// Where a capsule stands.
 pub(super) struct Floor {
-    /// Where the centre of the capsule is then.
+    /// Centre of the standing capsule.
     pub position: Vec3,
     pub collider: Entity,
     pub body: Entity,
@@ -84,9 +84,10 @@ impl<'a, 'w, 's> Capsule<'a, 'w, 's> {
             .cast_shape(&shape, from, self.rotation, way, distance, &self.filter)
     }
 
-    /// How far it can go, up to `length` metres, until it is at the distance of the skin from a surface, and what it meets there.
+    /// How far the capsule can go, up to `length` metres, until a surface is at the distance of the skin, and the hit
+    /// there.
     pub fn advance(&self, from: Vec3, way: Dir3, length: f32) -> (f32, Option<ShapeHitData>) {
-        // Far enough to see a surface in time to which the way is all but parallel: on the way it loses a tenth of the skin at most.
+        // Far enough to see an almost parallel surface in time: the skin shrinks by a tenth at most.
         let Some(hit) = self.cast(from, way, 11.0 * length + 4.0 * self.skin) else {
             return (length, None);
         };
@@ -99,7 +100,7 @@ impl<'a, 'w, 's> Capsule<'a, 'w, 's> {
         }
     }
 
-    /// Moves it out of what it overlaps, as far as there is room.
+    /// Moves the capsule out of what it overlaps, as far as there is room.
     pub fn push_out(&mut self) {
         for _ in 0..MAX_PUSHES {
             let ends = [self.position - self.half_axis(), self.position + self.half_axis()];
@@ -112,8 +113,9 @@ impl<'a, 'w, 's> Capsule<'a, 'w, 's> {
         }
     }
 
-    /// The floor that it meets on its way down from `from`, no more than `distance` metres. On edges that are no floor by the
-    /// normal of the contact, the face beside the edge decides, if the part of that normal along `up` is `min_edge` or more.
+    /// The floor that the capsule meets on its way down from `from`, within `distance` metres. At edges whose contact
+    /// normal is too steep for a floor, the face beside the edge decides, if the part of the contact normal along `up`
+    /// is `min_edge` or more.
     pub fn floor(&self, from: Vec3, distance: f32, min_edge: f32) -> Option<Floor> {
         let down = Dir3::new(-self.up).ok()?;
         let hit = self.cast(from, down, distance + 5.0 * self.skin)?;
@@ -143,7 +145,8 @@ impl<'a, 'w, 's> Capsule<'a, 'w, 's> {
         })
     }
 
-    /// The floor right below its centre, if the capsule all but touches it. It may lean against a steep surface first.
+    /// The floor right below the capsule's centre, if the capsule almost touches it. The capsule may lean against a
+    /// steep surface first.
     fn floor_under(&self, from: Vec3) -> Option<Floor> {
         let hit = self.ray_down(from, self.depth() + 3.0 * self.skin)?;
         self.is_floor(hit.normal).then_some(Floor {
@@ -169,8 +172,8 @@ impl<'a, 'w, 's> Capsule<'a, 'w, 's> {
         self.world.cast_ray(from, down, distance, &self.filter)
     }
 
-    /// Steps onto something low, going `rest`, a horizontal way, farther than it could otherwise. Returns the floor, and the
-    /// fraction of the way.
+    /// Steps onto something low, to go on by the remaining horizontal displacement `rest`. Returns the floor, and the
+    /// fraction of `rest` that was possible.
     pub fn step_up(&self, rest: Vec3) -> Option<(Floor, f32)> {
         if self.step_height <= self.skin {
             return None;

@@ -8,11 +8,11 @@
 //! A character is moved in [`FaceoffStep`], after the bodies. So it follows the physics clock, and stands on platforms
 //! where they are drawn. In each step it
 //!
-//! 1. is carried along by what it stands on: a point of the ground is remembered in the axes of its collider, so lifts,
-//!    turning platforms and rolling logs all carry. It is not carried into walls. Ground that is placed elsewhere does not take it
-//!    along ([`Teleport`](crate::plugin::components::Teleport), or a written `Transform` of a dynamic body), and a character that
-//!    the game places farther away than its radius leaves its ground.
-//! 2. is pushed out of what came into it, or into what it was spawned.
+//! 1. is carried along by its ground: a point of the ground is remembered in the axes of its collider, so lifts,
+//!    turning platforms and rolling logs all carry. It is not carried into walls. Ground that is placed elsewhere does
+//!    not take it along ([`Teleport`](crate::plugin::components::Teleport), or a written `Transform` of a dynamic
+//!    body), and a character that the game places farther away than its radius leaves its ground.
+//! 2. is pushed out of anything that it overlaps.
 //! 3. moves with its velocity, and with gravity while it is in the air. Where it meets a surface it goes on along that
 //!    surface. On the ground it keeps its horizontal speed on slopes, and steps onto what is low enough.
 //! 4. looks for the ground. On the ground it follows stairs and slopes down.
@@ -63,7 +63,8 @@ use std::f32::consts::FRAC_PI_4;
 /// # bevy::ecs::system::assert_is_system(walk);
 /// ```
 ///
-/// * It is stopped by everything that its filter admits but sensors, its own entity and the colliders of its own body.
+/// * It is stopped by everything that its filter admits, except sensors, its own entity and the colliders of its own
+///   body.
 /// * It does not push bodies itself, and they do not see it. Give it a `RigidBody::Kinematic` and a
 ///   [`MeshCollider`](crate::plugin::components::MeshCollider) for that. These follow it in the next step. To push dynamic
 ///   bodies, make the mesh wider than radius plus skin, or leave the layers of these bodies out of the filter.
@@ -82,7 +83,7 @@ pub struct Character {
     pub half_length: f32,
     /// Away from the ground. Default y.
     pub up: Dir3,
-    /// What the game wants, m/s. After the step it is what was possible: without the part into walls.
+    /// The velocity that the game wants, m/s. After the step it is the possible velocity, without the part into walls.
     ///
     /// On the ground it is relative to the ground. After the step it is horizontal, also on slopes. To jump, set a part along `up`.
     /// In the air it is relative to the world, and gravity changes it. When the character leaves the ground, the velocity of the
@@ -93,10 +94,11 @@ pub struct Character {
     pub max_slope: f32,
     /// The highest step that it climbs, metres. Default 0.3.
     pub step_height: f32,
-    /// How far below it the ground may be if it stood on the ground before, metres: it follows the ground instead of flying off at
-    /// steps and edges. Default 0.3.
+    /// How far below the character the ground may be if it stood on the ground before, metres: the character follows
+    /// the ground instead of flying off at steps and edges. Default 0.3.
     pub snap_distance: f32,
-    /// The distance that it keeps from surfaces, metres. Default 0.01. At least a thousandth of the radius, at most half of it.
+    /// The distance that the character keeps from surfaces, metres. Default 0.01. At least a thousandth of the radius,
+    /// at most half of it.
     pub skin: f32,
     /// What stops it. Sensors never do.
     #[entities]
@@ -131,8 +133,8 @@ impl Character {
     }
 }
 
-/// What a [`Character`] stands on; `None` in the air. The step writes it. It is saved in scenes, so that a loaded character goes
-/// on with its platform.
+/// The ground that a [`Character`] stands on; `None` in the air. The step writes it. It is saved in scenes, so that a
+/// loaded character goes on with its platform.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CharacterGround(#[entities] pub(crate) Option<GroundContact>);
@@ -156,14 +158,14 @@ pub struct GroundContact {
     /// The collider or plane.
     #[entities]
     pub collider: Entity,
-    /// Its body; without one the collider itself.
+    /// The body of the collider; without one the collider itself.
     #[entities]
     pub body: Entity,
     /// The face, an index of the source mesh. `None` on a plane.
     pub face: Option<u32>,
     /// The point of the ground below the capsule, in the world.
     pub point: Vec3,
-    /// Unit normal of the ground. On the edge of a step it is that of the face beside the edge.
+    /// Unit normal of the ground. On the edge of a step, the normal of the face beside the edge.
     pub normal: Vec3,
     /// How `point` has moved in the last step, m/s. 0 in the step in which the character comes to this ground.
     pub velocity: Vec3,
@@ -171,7 +173,7 @@ pub struct GroundContact {
     pub angular_velocity: Vec3,
     /// The `Transform` of the character, metres.
     pub(crate) place: Vec3,
-    /// The point in the axes of the collider, and the rotation of these.
+    /// The point in the axes of the collider, and the collider's rotation.
     pub(crate) anchor: Anchor,
 }
 
@@ -179,7 +181,7 @@ pub struct GroundContact {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Default, Debug, PartialEq)]
 pub(crate) struct Anchor {
-    /// In the axes of the collider.
+    /// The point in the axes of the collider.
     pub(crate) point: DVec3,
     /// Rotation of the collider in the world.
     pub(crate) rotation: DQuat,
@@ -207,7 +209,7 @@ impl Plugin for CharacterPlugin {
     }
 }
 
-/// Moves all characters. The system is made when there is the first of them: from then on the app queries.
+/// Moves all characters. The system is created with the first character, because it makes the app run queries.
 fn run(world: &mut World) {
     if let Err(error) = world.run_system_cached(step::move_characters) {
         error!("{error}");

@@ -19,7 +19,7 @@ pub(super) struct Moves {
     teleports: Has<Teleport>,
 }
 
-/// Characters leave ground that is placed in this step, and characters that are disabled leave theirs. It runs before the step.
+/// Before the step, characters leave ground that is placed in it, and disabled characters leave their ground.
 pub(super) fn leave_placed_ground(
     step: Res<Step>,
     mut characters: Query<(&mut CharacterGround, Has<RigidBodyDisabled>), With<Character>>,

@@ -15,7 +15,7 @@ use bevy::prelude::*;
 
 /// A velocity along `up` that is not a jump, m/s.
 const NO_JUMP: f32 = 1.0e-3;
-/// Who falls onto an edge stands on it if the part of the contact's normal along `up` is so much.
+/// A character that falls onto an edge stands on it if the part of the contact's normal along `up` is at least this.
 const MIN_EDGE_LANDING: f32 = 0.5;
 
 /// Where entities are in the world.
@@ -220,7 +220,7 @@ impl Step<'_, '_, '_> {
             capsule.filter = all;
         }
         if !ground.anchor.is_tracked {
-            // It came with a velocity relative to the world.
+            // The landing character has a velocity relative to the world.
             let up = *self.character.up;
             self.character.velocity -= moved.velocity - up * moved.velocity.dot(up);
         }

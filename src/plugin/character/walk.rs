@@ -7,8 +7,8 @@ use bevy::prelude::*;
 const MAX_CASTS: usize = 8;
 
 impl Capsule<'_, '_, '_> {
-    /// Goes a way through the air and along the surfaces that it meets. Takes from `velocity` what goes into them. Returns
-    /// whether there was a floor among them.
+    /// Moves by `way` through the air and along surfaces that it meets. Removes the part of `velocity` into them.
+    /// Returns whether one of them was a floor.
     pub fn slide(&mut self, way: Vec3, velocity: &mut Vec3) -> bool {
         let (mut rest, mut planes) = (way, Vec::new());
         for _ in 0..MAX_CASTS {
@@ -23,8 +23,8 @@ impl Capsule<'_, '_, '_> {
         planes.iter().any(|plane| self.is_floor(*plane))
     }
 
-    /// Goes a horizontal way on the ground with this normal. Floors turn it up or down and keep its horizontal length. Steps are
-    /// climbed. All else is a wall: it takes from `velocity` what goes into it.
+    /// Moves by the horizontal `way` on the ground with this normal. Floors turn the motion up or down and keep its
+    /// horizontal length. Steps are climbed. All else is a wall, which removes the part of `velocity` into it.
     pub fn walk(&mut self, way: Vec3, ground: Vec3, velocity: &mut Vec3) {
         let (mut rest, mut floors, mut walls) = (way, vec![ground], Vec::new());
         for _ in 0..MAX_CASTS {
@@ -86,8 +86,8 @@ impl Capsule<'_, '_, '_> {
         Vec3::ZERO
     }
 
-    /// The part of a vector that does not go into a plane. What runs into a steep slope does not climb it. A floor stops a fall
-    /// and takes nothing from the horizontal part, so that who lands on a slope does not slide off.
+    /// The part of a vector that does not go into a plane. A motion into a steep slope does not climb it. A floor stops
+    /// a fall and keeps the horizontal part, so that a character that lands on a slope does not slide off.
     fn clip_one(&self, mut vector: Vec3, plane: Vec3) -> Vec3 {
         let rise = plane.dot(self.up);
         if self.is_floor(plane) {

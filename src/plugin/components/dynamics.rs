@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// Mass of a body in kilograms. Overrides [`Density`]. The inertia is scaled with it. Default 1.
 ///
-/// Without it the mass is that of the shape: density times volume. The volume of a mesh before scaling is
+/// Without it the mass is density times volume. The volume of a mesh before scaling is
 /// [`CollisionMesh::mass`](crate::asset::BakedMesh::mass)`.volume`.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,8 +24,8 @@ impl Default for Mass {
     }
 }
 
-/// Density in kilograms per cubic metre, of a collider or of all colliders of a body that have none. Default 1. In a body
-/// with [`Mass`] it only distributes that mass.
+/// Density in kilograms per cubic metre: of a collider, or on a body, of its colliders without a density. Default 1. In
+/// a body with [`Mass`] it only distributes that mass.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Density(pub f32);

@@ -14,30 +14,31 @@ use serde::{Deserialize, Serialize};
 /// A shape: part of the body of the nearest [`RigidBody`](crate::types::body::RigidBody) on its entity or above it.
 /// Without one it is static.
 ///
-/// The handle is that of a file (`assets.load("knot.bake.ron")`), or of a mesh made by the program
-/// (`meshes.add(CollisionMesh::new(&mesh))`). The body takes part as soon as the mesh is loaded; until then it stands still.
-/// All bodies of a shape share one handle, at any scale.
+/// The handle refers to a file (`assets.load("knot.bake.ron")`), or to a mesh made by the program
+/// (`meshes.add(CollisionMesh::new(&mesh))`). The body takes part as soon as the mesh is loaded; until then it stands
+/// still. All bodies of a shape share one handle, at any scale.
 ///
 /// It is not drawn. Give the entity a `Mesh3d` too: a mesh of your own, or, with the feature `bevy_mesh`, the triangles that
 /// collide: `CollisionMesh::to_bevy_mesh`.
 ///
 /// [`Density`], [`Friction`](crate::types::material::Friction), [`Restitution`](crate::types::material::Restitution),
-/// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`BodyCulling`] of a collider are those on its entity, or
-/// else those of its body.
+/// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`BodyCulling`] of a collider are on its entity, or
+/// else on its body.
 #[derive(Component, Reflect, FromTemplate, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 #[require(Transform)]
 pub struct MeshCollider(pub Handle<CollisionMesh>);
 
-/// Its entity, or one below it, gets a [`MeshCollider`] later. Until then a body without colliders is not reported.
+/// Marks an entity that gets a [`MeshCollider`] later, on itself or below. Until then a body without colliders is not
+/// reported.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct ColliderToCome;
 
 /// An infinite plane that is solid on one side, also called a half-space: the points `p` with `normal . p < distance` are solid,
 /// in the coordinates of its entity. Dynamic bodies collide with it.
 ///
-/// It follows the `Transform` of its entity and of those above it. A plane that is moved pushes bodies out of itself, but it
-/// has no velocity: it does not carry them along. A lift or a piston is a kinematic body with a mesh.
+/// It follows the `Transform` of its entity and of the entities above. A plane that is moved pushes bodies out of
+/// itself, but it has no velocity: it does not carry them along. A lift or a piston is a kinematic body with a mesh.
 ///
 /// Spawn it on an entity of its own. It is never part of a body. It requires a `Transform` so that editors and saved scenes can
 /// move it. It may have [`Friction`](crate::types::material::Friction) and
@@ -76,10 +77,10 @@ impl PlaneCollider {
 
 /// A number that stands for the same collider or plane in every run of a program, whatever its entity is.
 ///
-/// Colliders and planes are processed in the order of their keys, and those without a key after them in the order of
-/// entities. So two worlds whose bodies have the same keys give the same results to the bit, whatever was spawned and
-/// despawned in between; and a [`Snapshot`](crate::plugin::snapshot::Snapshot) of one continues in the other. Give one to
-/// every collider and plane, or to none.
+/// Colliders and planes are processed in the order of their keys; those without a key follow in the order of entities.
+/// So two worlds whose bodies have the same keys give the same results to the bit, whatever was spawned and despawned
+/// in between; and a [`Snapshot`](crate::plugin::snapshot::Snapshot) of one continues in the other. Give one to every
+/// collider and plane, or to none.
 ///
 /// Each collider and plane needs a key of its own. The numbers that a network or a saved game uses are suitable. A
 /// collider on a child has the key of its body if it has none, which is enough for a body with one collider. A key that
@@ -151,8 +152,9 @@ pub struct Teleport;
 
 /// The velocity of a kinematic body that its `Transform` moved in the last step
 /// ([`RigidBody::Kinematic`](crate::types::body::RigidBody::Kinematic)). The step writes it, here and to
-/// [`LinearVelocity`](crate::types::body::LinearVelocity) and [`AngularVelocity`](crate::types::body::AngularVelocity). Where
-/// these still hold it, they do not move the body: only other values are those of the game. It is saved in scenes with them.
+/// [`LinearVelocity`](crate::types::body::LinearVelocity) and [`AngularVelocity`](crate::types::body::AngularVelocity).
+/// Where these still hold it, they do not move the body: only other values come from the game. It is saved in scenes
+/// with them.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivenVelocity {
@@ -170,8 +172,9 @@ pub struct DrivenVelocity {
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyCulling(pub Culling);
 
-/// The colliders and planes that a collider touches, in the order of [`StableKey`], then of spawning; on a body those that any of its colliders
-/// touches. Add it to a collider, body or plane, and the step keeps it up to date. An entity stays in the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last
+/// The colliders and planes that a collider touches, in the order of [`StableKey`], then of spawning; on a body, all
+/// that any of its colliders touches. Add it to a collider, body or plane, and the step keeps it up to date. An entity
+/// stays in the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last
 /// touch.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]

@@ -9,12 +9,14 @@ use bevy::prelude::*;
 pub struct FaceoffGizmos {
     /// The edges of every collider's mesh, each once. Default `None`.
     pub wireframes: Option<Color>,
-    /// The axis-aligned box of every collider in the tree that spatial queries search. It is larger than the mesh where that
-    /// is turned. The broad phase of the step tests [`bounding_spheres`](Self::bounding_spheres) instead. Default `None`.
+    /// The axis-aligned box of every collider in the tree that spatial queries search. It is larger than the mesh where
+    /// the mesh is turned. The broad phase of the step tests [`bounding_spheres`](Self::bounding_spheres) instead.
+    /// Default `None`.
     pub boxes: Option<Color>,
     /// The bounding sphere of every collider, as the broad phase tests it, without the margin for motion. Default `None`.
     pub bounding_spheres: Option<Color>,
-    /// The colour of wireframes, boxes and spheres of bodies asleep. `None` draws them like those awake. Default dark blue.
+    /// The colour of wireframes, boxes and spheres of bodies asleep. `None` draws them like awake ones. Default dark
+    /// blue.
     pub sleeping: Option<Color>,
     /// The colour of wireframes, boxes and spheres of sensors. `None` draws them like other colliders. Default violet.
     pub sensors: Option<Color>,
@@ -38,7 +40,7 @@ pub struct FaceoffGizmos {
     /// Length of these arrows, metres for each m/s or rad/s. Default 0.25.
     pub velocity_scale: f32,
     /// Islands, the sets of bodies that sleep and wake together: lines between the centres of mass of dynamic bodies
-    /// that touch. Each island has its own hue; saturation, lightness and alpha are those of this colour. Wireframes,
+    /// that touch. Each island has its own hue, with the saturation, lightness and alpha of this colour. Wireframes,
     /// boxes and spheres of dynamic bodies, awake or asleep, take the colour of their island. Default `None`.
     ///
     /// They are found in [`Collisions`](crate::plugin::collisions::Collisions), wherever the stages run. With
@@ -60,8 +62,8 @@ pub struct FaceoffGizmos {
     pub intersections: Option<Color>,
     /// The edges of the faces that [`ShowFacesTowards`](super::ShowFacesTowards) selects. Default green.
     pub faces: Option<Color>,
-    /// The ray of every [`RayCaster`](crate::plugin::queries::RayCaster) that is enabled, up to its last hit if it wants
-    /// no more, and of an infinite one the first 1000 m. Default `None`.
+    /// The ray of every enabled [`RayCaster`](crate::plugin::queries::RayCaster), up to its last hit if it wants no
+    /// more; the first 1000 m of an infinite one. Default `None`.
     pub rays: Option<Color>,
     /// The shape of every [`ShapeCaster`](crate::plugin::queries::ShapeCaster) that is enabled, at the start and where
     /// it touches something, and the way between. Default `None`.
@@ -119,7 +121,7 @@ impl FaceoffGizmos {
         }
     }
 
-    /// No gizmos. Lengths, and the colours of states, are those of [`FaceoffGizmos::all`].
+    /// No gizmos. Lengths and the colours of states are as in [`FaceoffGizmos::all`].
     pub fn none() -> Self {
         Self {
             wireframes: None,

@@ -10,7 +10,7 @@ pub(super) type Drawn<'w, 's> = Gizmos<'w, 's, FaceoffGizmos>;
 
 /// Draws each edge of a mesh once.
 pub(super) fn draw_wireframe(gizmos: &mut Drawn, mesh: &CollisionMesh, to_world: &DAffine3, color: Color) {
-    // Each line converts its colour. That of a linear one is free.
+    // Each line converts its colour; for a linear colour that is free.
     let color = Color::from(color.to_linear());
     let features = mesh.features();
     let in_world = |vertex: &Vec3| to_world.transform_point3(vertex.as_dvec3()).as_vec3();

@@ -10,8 +10,8 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-/// Finds islands in the published results of a step, whether it ran on the CPU or on a GPU. The sleep stage itself keeps
-/// none: it finds them anew in every collision substep.
+/// Finds islands in the published results of a step, whether it ran on the CPU or on a GPU. The sleep stage keeps no
+/// islands: it finds them anew in every collision substep.
 #[derive(SystemParam)]
 pub(crate) struct IslandFinder<'w, 's> {
     collisions: Option<Res<'w, Collisions>>,

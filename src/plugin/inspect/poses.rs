@@ -125,7 +125,7 @@ impl WorldPoses<'_, '_> {
         let to_world = self.to_world(body);
         let stretch = self.step.as_ref().and_then(|step| step.nested.stretch(body));
         match stretch {
-            // Shear above it does not follow the rotation of a body that moves by itself.
+            // Shear of entities above does not follow the rotation of a body that moves by itself.
             Some(stretch) => DAffine3 {
                 matrix3: DMat3::from_quat(decompose(&to_world.matrix3).0) * stretch,
                 translation: to_world.translation,

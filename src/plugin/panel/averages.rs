@@ -1,4 +1,4 @@
-//! The times of several steps, so that they can be read.
+//! Mean and longest times of several steps, which change slowly enough to read.
 
 use crate::plugin::collisions::StepReport;
 use crate::types::stage::Stage;
@@ -10,7 +10,7 @@ use std::time::Duration;
 pub(super) struct Averages {
     /// The number of the step that was added last.
     last: u64,
-    /// Number of the steps that have run, and of those whose times were added.
+    /// Number of steps that have run, and of steps whose times were added.
     run: u64,
     added: u32,
     stages: [Spread; Stage::COUNT],

@@ -27,7 +27,7 @@ pub(super) struct Source<'w, 's> {
 /// Clocks and counts that are not in [`StepReport`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Figures {
-    /// Whether the physics clock, or that of the game, is paused.
+    /// Whether the physics clock or the game's clock is paused.
     pub paused: bool,
     pub game_paused: bool,
     /// Speed of the physics clock relative to fixed time.

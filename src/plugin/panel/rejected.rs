@@ -11,7 +11,7 @@ const MOST: usize = 4;
 pub(super) struct Rejected(Vec<Entity>);
 
 impl Rejected {
-    /// The text about those that are rejected now, newest first. Empty if there are none.
+    /// The text about entities that are rejected now, newest first. Empty if there are none.
     pub fn text(&mut self, step: Option<&Step>, names: &Query<&Name>) -> String {
         let faults = step.map_or(&[][..], |step| &step.faults);
         let fault_of = |entity: Entity| {

@@ -12,7 +12,7 @@ use thiserror::Error;
 #[derive(MapEntities, Reflect, Clone, Debug)]
 #[reflect(opaque, Clone, Debug)]
 pub struct PrefabError {
-    /// The entity of the node or mesh, or that of the `WorldAssetRoot`.
+    /// The entity of the node or mesh, or of the `WorldAssetRoot`.
     #[entities]
     pub entity: Entity,
     /// The name of the node, or else of the entity.
@@ -50,7 +50,7 @@ pub enum PropertyError {
         key: String,
         /// The value as it is in the file.
         value: String,
-        /// Which values there are.
+        /// The possible values.
         expected: &'static str,
     },
     /// The property belongs to an object.

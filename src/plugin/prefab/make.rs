@@ -211,7 +211,7 @@ fn make(
     }
 }
 
-/// Gives a collider, or takes that of an earlier mesh.
+/// Inserts a collider, or removes the collider of an earlier mesh.
 fn finish(
     commands: &mut Commands,
     part: &Part,

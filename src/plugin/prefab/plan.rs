@@ -44,7 +44,7 @@ pub(super) struct Part {
     pub made: MadeFrom,
 }
 
-/// What is to be done.
+/// The colliders to make, and errors.
 #[derive(Default)]
 pub(super) struct Plan {
     pub parts: Vec<Part>,
@@ -64,7 +64,7 @@ struct Primitive<'a> {
     settings: ColliderSettings,
 }
 
-/// Plans the colliders below `root`. `None` if Bevy has still to spawn one of the scenes.
+/// Plans the colliders below `root`. `None` if Bevy has not yet spawned one of the scenes.
 pub(super) fn plan(
     root: Entity,
     hierarchy: &MeshColliderHierarchy,
@@ -168,7 +168,7 @@ impl Planner<'_, '_, '_> {
         self.parts(primitives, own.len());
     }
 
-    /// The settings of a mesh before those of its node.
+    /// The settings of a mesh, which its node's override.
     fn mesh_layer(&mut self, mesh: &NodeItem, is_node: bool, is_first: bool) -> Layer {
         let of_material = mesh.material_extras.map(|extras| &*extras.value);
         let of_material = self.extras(of_material, Place::Mesh, true);
@@ -265,8 +265,8 @@ impl Planner<'_, '_, '_> {
     }
 }
 
-/// Whether somebody else has given a collider to this entity. In a scene that was saved with colliders made here, these have
-/// the default handle, that of no mesh.
+/// Whether somebody else has given a collider to this entity. Colliders made here have the default handle, without a
+/// mesh, in a saved scene.
 fn has_collider(node: &NodeItem) -> bool {
     node.collider.is_some_and(|collider| collider.0 != Handle::default())
 }

@@ -40,16 +40,16 @@ use bevy::prelude::*;
 ///
 /// The colliders are made of the meshes that Bevy has loaded, in the background, once per mesh and settings, however
 /// often a scene is spawned, as long as Bevy keeps the mesh. All colliders of a spawned scene appear in the same frame,
-/// and [`MeshColliderHierarchyReady`] is triggered. Of a scene whose meshes are baked already they appear in the frame in
-/// which it is spawned. Scenes and meshes that are added below later, a `Mesh3d` that is replaced, and a mesh that
-/// changes, for example by a hot reload, are followed.
+/// and [`MeshColliderHierarchyReady`] is triggered. If all meshes are baked already, colliders appear in the frame in
+/// which the scene is spawned. Scenes and meshes that are added below later, a `Mesh3d` that is replaced, and a mesh
+/// that changes, for example by a hot reload, are followed.
 ///
 /// Settings can be given in the glTF file too, and baked meshes beside it are used: see [`prefab`](super).
 ///
 /// * The primitives of a glTF mesh are one collider on the entity of the first one, because only together they are
-///   closed: Blender exports a primitive for each material. Those with settings of their own are colliders of their own.
+///   closed: Blender exports a primitive for each material. Primitives with their own settings are separate colliders.
 /// * Entities that have a `MeshCollider` or a `MeshColliderFrom` keep it. So do entities that leave the hierarchy.
-/// * Below another `MeshColliderHierarchy`, that one makes the colliders. The entity itself gets none.
+/// * Below another `MeshColliderHierarchy`, the other one makes the colliders. The entity itself gets none.
 /// * Skinned and morphed meshes collide as they are in the file.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
@@ -124,7 +124,7 @@ impl MeshColliderHierarchy {
         }
     }
 
-    /// With a collider with these settings for nodes, meshes and entities of this name.
+    /// This component with a collider with these settings for nodes, meshes and entities of this name.
     pub fn with_collider_for_name(mut self, name: impl Into<String>, settings: ColliderSettings) -> Self {
         self.by_name.insert(name.into(), Some(settings));
         self
@@ -138,7 +138,7 @@ impl MeshColliderHierarchy {
 }
 
 impl ColliderSettings {
-    /// These settings, and those below where these are `None`.
+    /// These settings, completed by the settings of `below` where they are `None`.
     pub(super) fn over(&self, below: &Self) -> Self {
         Self {
             body: self.body.or(below.body),
@@ -156,7 +156,7 @@ impl ColliderSettings {
 /// One of the sources of settings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Layer {
-    /// Whether there is to be a collider. `None`: as below.
+    /// Whether there is a collider. `None`: as in the layer below.
     pub collider: Option<bool>,
     pub settings: ColliderSettings,
 }

@@ -43,7 +43,7 @@ impl MapEntities for SpatialQueryFilter {
 }
 
 impl SpatialQueryFilter {
-    /// What is in one of these layers.
+    /// A filter for colliders and planes in one of these layers.
     pub fn in_layers(layers: u32) -> Self {
         Self {
             layers,
@@ -51,7 +51,7 @@ impl SpatialQueryFilter {
         }
     }
 
-    /// Without these colliders, planes and bodies.
+    /// A filter without these colliders, planes and bodies.
     pub fn excluding(entities: impl IntoIterator<Item = Entity>) -> Self {
         Self::default().without(entities)
     }

@@ -12,7 +12,7 @@ pub struct RayHitData {
     /// The collider or plane.
     #[entities]
     pub collider: Entity,
-    /// Its body; without one the collider itself.
+    /// The body of the collider; without one the collider itself.
     #[entities]
     pub body: Entity,
     /// From the start of the ray, metres.
@@ -52,7 +52,7 @@ pub struct PointHitData {
     /// The collider or plane.
     #[entities]
     pub collider: Entity,
-    /// Its body; without one the collider itself.
+    /// The body of the collider; without one the collider itself.
     #[entities]
     pub body: Entity,
     /// From the given point, metres; 0 if that is inside.
@@ -92,7 +92,7 @@ pub struct ShapeHitData {
     /// The collider or plane.
     #[entities]
     pub collider: Entity,
-    /// Its body; without one the collider itself.
+    /// The body of the collider; without one the collider itself.
     #[entities]
     pub body: Entity,
     /// How far the shape moves until it touches, metres; 0 if it touches or overlaps at the start.

@@ -59,7 +59,7 @@ impl Plugin for SpatialQueryPlugin {
     }
 }
 
-/// Runs the casters. Their systems ask, so they are only made if there are casters.
+/// Runs the casters. Their systems make the app run queries, so they are created only if there are casters.
 pub(crate) fn run_casters(world: &mut World) {
     if !world.resource::<SpatialIndex>().has_casters {
         return;

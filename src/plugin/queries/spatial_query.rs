@@ -64,8 +64,8 @@ impl SpatialQuery<'_, '_> {
 
     /// The first hit of a ray.
     ///
-    /// A ray that starts on a face hits it at distance 0. One that starts inside a closed mesh hits it from behind. A NaN, or a
-    /// negative `max_distance`, hits nothing; `f32::INFINITY` is without end.
+    /// A ray that starts on a face hits it at distance 0. A ray that starts inside a closed mesh hits it from behind. A
+    /// NaN, or a negative `max_distance`, hits nothing; `f32::INFINITY` is without end.
     pub fn cast_ray(
         &self,
         origin: Vec3,
@@ -134,8 +134,8 @@ impl SpatialQuery<'_, '_> {
         Some(PointHitData::new(&self.index, &hit))
     }
 
-    /// The colliders and planes that a shape overlaps, ascending: those that it touches, that it contains, or that contain it.
-    /// An invalid shape or pose overlaps nothing.
+    /// The colliders and planes that a shape touches or contains, or that contain it, ascending. An invalid shape or
+    /// pose overlaps nothing.
     pub fn overlapping(
         &self,
         shape: &QueryShape,
@@ -199,7 +199,7 @@ impl SpatialQuery<'_, '_> {
         hits
     }
 
-    /// The surface that is nearest to a segment: see [`Scene::closest_to_segment`](crate::queries::Scene::closest_to_segment).
+    /// The nearest surface to a segment: see [`Scene::closest_to_segment`](crate::queries::Scene::closest_to_segment).
     pub(crate) fn closest_to_segment(
         &self,
         ends: [Vec3; 2],

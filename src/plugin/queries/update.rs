@@ -74,7 +74,7 @@ pub(crate) fn update_while_time_stands(
     }
 }
 
-/// Makes queries see bodies at these poses, until the next call or, but for
+/// Makes queries see bodies at these poses, until the next call or, except with
 /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident), the next step. The poses of a
 /// [`Snapshot`](crate::plugin::snapshot::Snapshot) are `snapshot.bodies()`.
 pub fn update_spatial_queries_from<'a>(world: &mut World, bodies: impl IntoIterator<Item = (Entity, &'a Motion)>) {
@@ -87,7 +87,7 @@ pub fn update_spatial_queries_from<'a>(world: &mut World, bodies: impl IntoItera
     }
 }
 
-/// Poses of bodies that replace those of their components.
+/// Poses of bodies, which replace the poses in their components.
 type Poses = BTreeMap<Entity, (Vec3, Quat)>;
 
 fn read_with(In(poses): In<Poses>, mut index: ResMut<SpatialIndex>, colliders: Colliders) {
@@ -122,7 +122,7 @@ pub struct Colliders<'w, 's> {
     layers: Query<'w, 's, &'static CollisionLayers>,
 }
 
-/// Gives the pose of a body that replaces that of its components.
+/// Gives the pose of a body, which replaces the pose in its components.
 type PoseOf<'a> = &'a dyn Fn(Entity) -> Option<(Vec3, Quat)>;
 
 impl Colliders<'_, '_> {

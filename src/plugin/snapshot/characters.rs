@@ -33,8 +33,8 @@ pub(super) fn take(world: &mut World) -> BTreeMap<Entity, CharacterState> {
         .collect()
 }
 
-/// Restores all characters. Those without a state keep theirs, but leave their ground, which may be elsewhere now. Returns the
-/// entities that no longer exist.
+/// Restores all characters. Characters without a saved state keep theirs, but leave their ground, which may be
+/// elsewhere now. Returns the entities that no longer exist.
 pub(super) fn restore(states: &BTreeMap<Entity, CharacterState>, world: &mut World) -> Vec<Entity> {
     let mut others = world.query::<(Entity, &mut CharacterGround)>();
     for (entity, mut ground) in others.iter_mut(world) {

@@ -8,8 +8,8 @@ use bevy::ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 impl MapEntities for Snapshot {
     /// Replaces the entities of bodies, colliders, planes and characters.
     ///
-    /// If all of them have a [`StableKey`](crate::plugin::components::StableKey), steps continue to the bit. Others may come in
-    /// another order, which gives other bits, and wake if they sleep.
+    /// If all of them have a [`StableKey`](crate::plugin::components::StableKey), steps continue to the bit. Colliders
+    /// without one may come in another order, which gives other bits, and wake if they sleep.
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         self.leave_device();
         let bodies = std::mem::take(&mut self.bodies);

@@ -36,9 +36,9 @@ use std::collections::BTreeMap;
 /// # Saved games, and other worlds
 ///
 /// A snapshot is plain data: it can be written and read with serde. RON and binary formats keep all bits; JSON does not,
-/// because serde_json rounds. What is damaged or of another format is an error when it is read, never a panic later. The
-/// memory of a GPU is written as that of the CPU: it is valid on any GPU, but the first step on a GPU after reading may
-/// differ in the last bits from that without a snapshot.
+/// because serde_json rounds. Damaged data, or data of another format, is an error when it is read, never a panic
+/// later. The memory of a GPU is written in the CPU's format: it is valid on any GPU, but the first step on a GPU after
+/// reading may differ in the last bits from a step without a snapshot.
 ///
 /// A snapshot holds no bodies, only their states. To save a game, write a scene of the bodies (a `DynamicWorld`), and
 /// beside it the snapshot. Bodies of a scene get new entities when it is loaded: let [`MapEntities`] replace those of the
@@ -94,11 +94,11 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// The state after the last step. It waits for pending results of a GPU: with
+    /// The state after the last step. Waits for pending results of a GPU: with
     /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) the snapshot is ahead of the components.
     ///
-    /// If bodies are interpolated, call it in fixed time, for example in `FixedLast`, because in `Update` it would have the poses
-    /// that are drawn.
+    /// If bodies are interpolated, call it in fixed time, for example in `FixedLast`, because in `Update` it would get
+    /// the drawn poses.
     pub fn take(world: &mut World) -> Self {
         let mut bodies: BTreeMap<Entity, Motion> = world
             .query_filtered::<(
@@ -159,8 +159,8 @@ impl Snapshot {
         (self.memory, self.manifolds) = step.state.complete_memory();
     }
 
-    /// Restores the state of all bodies and characters. Pending results of later steps are dropped. Those that were spawned
-    /// since then keep their state. Returns those that no longer exist.
+    /// Restores the state of all bodies and characters. Pending results of later steps are dropped. Entities that were
+    /// spawned since then keep their state. Returns the entities that no longer exist.
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         let mut gone = Vec::new();
         for (&entity, motion) in &self.bodies {
@@ -198,7 +198,7 @@ impl Snapshot {
                 .into_iter()
                 .filter(|entity| !self.bodies.contains_key(entity)),
         );
-        // These poses are those of a step. What others write from now on places bodies.
+        // These poses come from a step. Writes of others from now on place bodies.
         let written_at = world.increment_change_tick();
         if let Some(mut step) = world.get_resource_mut::<Step>() {
             step.written_at = Some(written_at);
@@ -252,7 +252,7 @@ impl Snapshot {
         step.state.results.manifolds.copy_from(&self.manifolds);
     }
 
-    /// Moves the memory of a GPU to that of the CPU, which is plain data. Manifolds without memory are dropped.
+    /// Converts the memory of a GPU to the CPU's, which is plain data. Manifolds without memory are dropped.
     fn leave_device(&mut self) {
         #[cfg(feature = "gpu")]
         if !self.device.is_empty() {
@@ -279,7 +279,7 @@ impl Snapshot {
     }
 }
 
-/// Notes that the pose of a body is that of a step.
+/// Notes that the pose of a body comes from a step.
 fn keep_pose(body: &mut EntityWorldMut) {
     if let Some(&transform) = body.get::<Transform>()
         && let Some(mut pose) = body.get_mut::<PoseOfStep>()

@@ -36,7 +36,7 @@ pub(super) struct Plain {
     /// Kinematic bodies that move by their `Transform`.
     driven: Vec<(Bits, Pose)>,
     driven_far: Vec<Bits>,
-    /// The velocities of those that moved in the last step.
+    /// The velocities of driven bodies that moved in the last step.
     driven_velocities: Vec<(Bits, DrivenVelocity)>,
     characters: Vec<PlainCharacter>,
     memory: StepMemory,
@@ -129,7 +129,8 @@ impl From<Snapshot> for Plain {
 impl TryFrom<Plain> for Snapshot {
     type Error = PlainFault;
 
-    /// Checks all that later steps rely on. Poses and velocities of bodies are checked by the step, like those of any body.
+    /// Checks everything that later steps rely on. Poses and velocities of bodies are checked by the step, like those
+    /// of any body.
     fn try_from(plain: Plain) -> Result<Self, PlainFault> {
         let Plain {
             format,

@@ -21,9 +21,9 @@ use std::ops::Range;
 /// A body whose colliders are placed in it.
 pub(crate) struct Assembly {
     pub body: Entity,
-    /// The key of the body, which is also that of colliders without one.
+    /// The key of the body, which its colliders without a key share.
     pub key: Option<StableKey>,
-    /// Its pose and its values, without a mesh.
+    /// Pose and values of the body, without a mesh.
     pub values: Body,
     /// Overrides the centre of mass, in the axes of the pose.
     pub center: Option<Vec3>,
@@ -33,7 +33,7 @@ pub(crate) struct Assembly {
     pub surface: Surface,
     /// The number of its first collider in the step, if it has one there.
     pub number: Option<u32>,
-    /// Its index among the compounds of the step. Static bodies are none.
+    /// Index among the compounds of the step; `None` for static bodies.
     pub compound: Option<u32>,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct AssemblyPart {
     /// Index of the assembly.
     pub assembly: u32,
     pub collider: Entity,
-    /// Its number in the step, if it is valid.
+    /// Number in the step, if it is valid.
     pub number: Option<u32>,
     pub place: Place,
     pub density: f32,
@@ -88,8 +88,8 @@ impl InOrder for Candidate {
 }
 
 impl Step {
-    /// Fills the stages' arrays with the bodies that were read, and records which of them are invalid. Static ones come first, so
-    /// that what moves can come and go beside them.
+    /// Fills the stages' arrays with the bodies that were read, and records which of them are invalid. Static bodies
+    /// come first, so that moving ones can come and go.
     pub fn fill(&mut self) {
         order::put_static_first(&mut self.candidates);
         let fixed = self.candidates.partition_point(Candidate::is_static);
@@ -104,8 +104,8 @@ impl Step {
         self.join_parts(true);
     }
 
-    /// Fills the arrays with the bodies that were read, which are all that are neither static nor dormant; the others are those
-    /// of the last step. Returns false if dormant ones would get other numbers. Then nothing has changed.
+    /// Fills the arrays with the bodies that were read: all that are neither static nor dormant. The others stay as in
+    /// the last step. Changes nothing and returns false if dormant bodies would get other numbers.
     pub fn fill_moving(&mut self) -> bool {
         let StepInput { bodies, meshes, .. } = &mut self.state.input;
         let Some(again) = self.kept.same_as_before(bodies, &self.candidates) else {
@@ -158,7 +158,7 @@ impl Step {
         }
     }
 
-    /// Joins colliders to the bodies of which they are parts. Whose parts they are is new, or known from the last step.
+    /// Joins colliders to their bodies. `are_new`: their bodies are not known from the last step.
     fn join_parts(&mut self, are_new: bool) {
         if are_new {
             let colliders = self.collected.rows.entities.len();
@@ -193,7 +193,7 @@ impl Step {
             next = number.map_or(next, |number| number + 1);
             part.number = number.map(|number| number as u32);
         }
-        // In the order of bodies, then colliders, and those of one body follow each other.
+        // By bodies, then colliders, so that the colliders of a body are contiguous.
         parts.sort_unstable_by_key(|part| {
             let Assembly { body, key, .. } = assemblies[part.assembly as usize];
             (Keyed::new(body, key), part.number)
@@ -228,7 +228,8 @@ impl Step {
         arrays.end_joins();
     }
 
-    /// The number of a body in the arrays: that of its first collider. `None` if the step leaves the body out.
+    /// The number of a body in the arrays, which is the number of its first collider. `None` if the step leaves the
+    /// body out.
     pub fn number_of(&self, body: Entity) -> Option<usize> {
         match self.assembly(body) {
             Some(assembly) => assembly.number.map(|number| number as usize),
@@ -245,7 +246,7 @@ impl Step {
         Some(&self.assemblies[at?])
     }
 
-    /// Links the bodies of the step that is about to run with those of the last one.
+    /// Links the bodies of the next step with the bodies of the last one.
     #[cfg(feature = "gpu")]
     pub fn link(&mut self, resident: bool) {
         let Self {
@@ -264,7 +265,7 @@ impl Step {
             driven: driven.contains(entity),
         };
         let count = collected.entities.len() as u32;
-        // Both lists are in the same order, and the candidates have invalid ones too.
+        // Both lists are in the same order; the candidates also contain invalid bodies.
         let mut read = candidates.iter();
         let singles = (0..count).zip(collected.entities.iter()).filter_map(|(row, entity)| {
             let Candidate { body, .. } = read.find(|other| other.id.entity == entity)?;

@@ -1,7 +1,7 @@
-//! What users have changed since the last step in colliders and bodies that are static or dormant.
+//! Changes by users since the last step in colliders and bodies that are static or dormant.
 //!
-//! One scan of Bevy's change ticks, component by component through contiguous memory: under a nanosecond for each body and
-//! component that it has.
+//! One scan of Bevy's change ticks, component by component through contiguous memory, takes under a nanosecond for each
+//! body and component.
 
 use super::Step;
 use super::kept::Kept;
@@ -27,8 +27,8 @@ type Read = (
     (Sleeping, SleepingDisabled),
 );
 
-/// Notes that something at rest loses a component that a step reads. Bevy's `RemovedComponents` forget after two frames, and
-/// frames may be shorter than steps.
+/// Notes that a static or dormant entity loses a component that a step reads. Bevy's `RemovedComponents` forget after
+/// two frames, and frames may be shorter than steps.
 pub(crate) fn note_removed(removed: On<Remove, Read>, step: Option<ResMut<Step>>) {
     if let Some(mut step) = step {
         step.kept.note_removed(removed.entity);
@@ -58,7 +58,7 @@ impl<T: Component> Changes<'_, '_, T> {
         };
         tables.into_iter().any(|(entities, components, kinds)| {
             let (_, ticks) = ContiguousRef::split(components);
-            // Without an early end, so that it is done with vector instructions. In most tables nothing has changed.
+            // Without an early exit, so that the loop uses vector instructions. In most tables nothing has changed.
             if !ticks.is_changed_iter().fold(false, |any, own| any | own) {
                 return false;
             }
@@ -71,8 +71,8 @@ impl<T: Component> Changes<'_, '_, T> {
     }
 }
 
-/// The changes of all components that a step reads of colliders and bodies, but for those that the step itself writes to
-/// bodies that move.
+/// The changes of all components of colliders and bodies that a step reads, except components that the step writes to
+/// moving bodies.
 #[derive(SystemParam)]
 pub(crate) struct ChangesAtRest<'w, 's> {
     place: (
@@ -121,8 +121,8 @@ pub(crate) struct ChangesAtRest<'w, 's> {
 }
 
 impl ChangesAtRest<'_, '_> {
-    /// Notes changes of static and of dormant bodies. Returns whether all static ones are to be read again: too many have changed, or
-    /// something above one.
+    /// Notes changes of static and of dormant bodies. Returns whether all static bodies must be read again: too many
+    /// have changed, or an entity above one has.
     pub fn are_many(&self, kept: &mut Kept) -> bool {
         macro_rules! any {
             ($($group:ident: [$($index:tt)*])*) => { false $($(|| self.$group.$index.too_many(kept))*)* };
@@ -146,8 +146,8 @@ impl ChangesAtRest<'_, '_> {
             })
     }
 
-    /// Adds the new bodies that move to those that are kept. Returns false if something else has become a body, or another kind
-    /// of body.
+    /// Adds new moving bodies to the kept ones. Returns false if another entity has become a body, or a body has
+    /// changed its kind.
     pub fn add_movers(&self, kept: &mut Kept) -> bool {
         let Ok(tables) = self.kinds.contiguous_iter() else {
             return false;

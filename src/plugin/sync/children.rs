@@ -34,7 +34,7 @@ pub(crate) struct Child {
     transform: Transform,
     /// From its parent to the body, or to the world.
     above: DAffine3,
-    /// Its place, and the stretch of the body for which that was found.
+    /// Place of the collider, and the stretch of the body for which it was found.
     placed: Option<(DMat3, Placed)>,
 }
 
@@ -112,7 +112,7 @@ impl ChildColliders {
         nodes: &Query<Node>,
         mut note: impl FnMut(Entity, &SurfaceComponentsItem),
     ) {
-        // Whether they are those of the last step so far, in the same order.
+        // Whether all children so far are those of the last step, in the same order.
         let mut is_same = true;
         let mut count = 0;
         for_each(query, nodes, &mut |found| {
@@ -138,8 +138,9 @@ impl ChildColliders {
         }
     }
 
-    /// Updates some of them, which are parts of bodies, in a step that has those of the last one: these are their `indices`.
-    /// Returns how many there still are; `None` if one is elsewhere. What belongs to a body that is gone is left as it was.
+    /// Updates the children with these `indices`, which are parts of bodies, in a step that keeps the children of the
+    /// last one. Returns how many still exist; `None` if one is elsewhere. Children of a body that is gone stay as they
+    /// were.
     pub fn update(
         &mut self,
         indices: &[u32],

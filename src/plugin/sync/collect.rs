@@ -189,7 +189,7 @@ impl Step {
         });
     }
 
-    /// Writes the keys of all colliders, but for those that are there from the last step.
+    /// Writes the keys of all colliders, except keys that remain from the last step.
     fn write_keys(&mut self) {
         let [fixed, moving] = self.collected.rows.entities.keys();
         let keys = &mut self.state.input.keys;

@@ -130,7 +130,7 @@ impl SurfaceComponentsItem<'_, '_> {
 }
 
 impl Surface {
-    /// The values of a collider, completed by those of its body.
+    /// The values of a collider, completed by its body's.
     pub fn or(self, body: &Self) -> Self {
         Self {
             density: self.density.or(body.density),

@@ -7,26 +7,26 @@ use crate::types::body::RigidBody;
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 
-/// A body that moves farther than this many of its diameters in one step causes a warning.
+/// A body that moves farther than this multiple of its diameter in one step causes a warning.
 const LONG_WAY: f32 = 4.0;
 
 /// The kinematic bodies without velocities. At the end of a step they are where their `Transform`s say.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct DrivenBodies {
-    /// The pose of each in the world at the end of the last step, where that is known.
+    /// The pose of each body in the world at the end of the last step, where it is known.
     pub poses: EntityHashMap<(Vec3, Quat)>,
-    /// Where those begin that move in this step.
+    /// Start poses of bodies that move in this step.
     departures: Vec<(Entity, (Vec3, Quat))>,
     /// Bodies that have moved very far in one step.
     pub far: EntityHashSet,
-    /// What this step writes to the velocities of others, which moved in the last one.
+    /// Velocities that this step writes to bodies that moved in the last step but not in this one.
     stopped: Vec<(Entity, [Vec3; 2])>,
-    /// The velocities of those that move in this step.
+    /// Velocities of bodies that move in this step.
     moving: Vec<(Entity, [Vec3; 2])>,
 }
 
 impl DrivenVelocity {
-    /// The velocities `seen` of its body without those that the step has written.
+    /// The velocities `seen` of its body, without values that the step has written.
     pub(crate) fn without(&self, seen: [Vec3; 2]) -> [Vec3; 2] {
         let written = [self.linear, self.angular];
         [0, 1].map(|i| if seen[i] == written[i] { Vec3::ZERO } else { seen[i] })
@@ -34,7 +34,7 @@ impl DrivenVelocity {
 }
 
 impl DrivenBodies {
-    /// Takes those of the last step, to be replaced by those of this one.
+    /// Takes the bodies of the last step. This step fills the list again.
     pub fn take(&mut self) -> Self {
         let far = std::mem::take(&mut self.far);
         let before = std::mem::take(self);
@@ -42,8 +42,8 @@ impl DrivenBodies {
         before
     }
 
-    /// Adds a body with its pose in the world; `before` are those of the last step. One that `teleports` does not move
-    /// there but is placed.
+    /// Adds a body with its pose in the world; `before` are the bodies of the last step. A body that `teleports` is
+    /// placed there without a motion.
     pub fn add(&mut self, before: &Self, entity: Entity, pose: (Vec3, Quat), teleports: bool) {
         self.poses.insert(entity, pose);
         if let Some(&start) = before.poses.get(&entity)
@@ -63,8 +63,8 @@ impl DrivenBodies {
         }
     }
 
-    /// The linear and angular velocity of a body whose components hold `seen` and `driven`. Those that the step has written do not
-    /// count for a kinematic body.
+    /// The linear and angular velocity of a body whose components hold `seen` and `driven`. Velocities that the step
+    /// has written do not count for a kinematic body.
     pub fn velocities(
         &mut self,
         entity: Entity,
@@ -90,8 +90,8 @@ impl DrivenBodies {
         self.moving = moving.collect();
     }
 
-    /// Calls `write` with the velocities that the components are to hold after this step, and with whether they are those of a
-    /// body that its `Transform` moved.
+    /// Calls `write` with the velocities that the components must hold after this step, and whether the body was moved
+    /// by its `Transform`.
     pub fn show(&mut self, mut write: impl FnMut(Entity, [Vec3; 2], bool)) {
         for (entity, velocities) in self.stopped.drain(..) {
             write(entity, velocities, false);
@@ -106,8 +106,8 @@ impl DrivenBodies {
         self.poses.contains_key(&entity)
     }
 
-    /// Forgets bodies that are left out of this step, and notes once each that moves very far in it. `number_of` gives the
-    /// number of a body.
+    /// Forgets bodies that are left out of this step, and notes each body that moves very far in it once. `number_of`
+    /// gives the number of a body.
     pub fn check(&mut self, bodies: &Bodies, number_of: impl Fn(Entity) -> Option<usize>, oddities: &mut Oddities) {
         self.poses.retain(|&entity, _| number_of(entity).is_some());
         self.far.retain(|entity| self.poses.contains_key(entity));
@@ -120,8 +120,8 @@ impl DrivenBodies {
         }
     }
 
-    /// Forgets the poses of bodies that are elsewhere on a device than their components say. These do not move in the next
-    /// step, because it is not known from where.
+    /// Forgets the poses of bodies that are elsewhere on a device than their components say. They do not move in the
+    /// next step, because their start is unknown.
     #[cfg(feature = "gpu")]
     pub fn keep(&mut self, is_there: impl Fn(Entity) -> bool) {
         self.poses.retain(|&entity, _| is_there(entity));

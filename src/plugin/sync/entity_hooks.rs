@@ -1,4 +1,4 @@
-//! Between the stages' hooks, which see numbers, and those of an app, which see entities.
+//! Translates between the stages' hooks, which see numbers, and the hooks of an app, which see entities.
 
 use super::collected::{Collected, Rows};
 use crate::step::hooks::{NoHooks, PairContacts, StepHooks};

@@ -1,4 +1,4 @@
-//! Where colliders and bodies are in the world: products of the `Transform`s above them. `GlobalTransform`s are those of
+//! Where colliders and bodies are in the world: products of the `Transform`s above them. `GlobalTransform`s are from
 //! the last frame, so they are not used.
 
 use crate::plugin::components::RigidBodyDisabled;
@@ -24,7 +24,7 @@ pub(crate) struct Node {
 /// What is above a collider.
 #[derive(Clone, Copy)]
 pub(crate) enum Above {
-    /// Its body, and the transformation from the collider's parent to the body.
+    /// The collider's body, and the transformation from the collider's parent to the body.
     Body(Entity, DAffine3),
     /// No body. The transformation from its parent to the world.
     World(DAffine3),
@@ -115,8 +115,8 @@ pub(crate) fn world_above(
     product
 }
 
-/// The transformation from the coordinates of `entity` to the world. The functions are those of [`world_above`]; without a
-/// `Transform` an entity is where its parent is.
+/// The transformation from the coordinates of `entity` to the world. The functions are the same as in [`world_above`];
+/// without a `Transform` an entity is where its parent is.
 pub(crate) fn to_world(
     entity: Entity,
     parent_of: impl Fn(Entity) -> Option<Entity>,
@@ -212,12 +212,12 @@ impl Posed {
 }
 
 impl NestedBodies {
-    /// Takes those of the last step, to be replaced by those of this one.
+    /// Takes the bodies of the last step. This step fills the list again.
     pub fn take(&mut self) -> Self {
         std::mem::take(self)
     }
 
-    /// Takes those of some bodies, to be replaced by those of this step.
+    /// Takes the entries of some bodies, which this step reads again.
     pub fn take_some(&mut self, bodies: &[Entity]) -> Self {
         if self.0.is_empty() {
             return Self::default();
@@ -225,8 +225,8 @@ impl NestedBodies {
         Self(bodies.iter().filter_map(|body| self.0.remove_entry(body)).collect())
     }
 
-    /// Reads a body under other entities; `before` are those of the last step. A dynamic body keeps its pose in the world
-    /// unless its own `Transform` was written. An unchanged pose keeps its bits.
+    /// Reads a body under other entities; `before` are the bodies of the last step. A dynamic body keeps its pose in
+    /// the world unless its own `Transform` was written. An unchanged pose keeps its bits.
     pub fn read(
         &mut self,
         before: &Self,
@@ -274,7 +274,7 @@ impl NestedBodies {
                 rotation: (turn * mirror.inverse()).normalize().as_quat(),
                 scale: before.scale,
             };
-            // Above a flat entity there is no such `Transform`.
+            // Below a flat entity there is no such `Transform`.
             if transform.is_finite() {
                 nested.transform = transform;
             }

@@ -1,5 +1,5 @@
-//! What is kept of the last step: its static bodies, and those asleep near which nothing is awake. Where nothing about them has
-//! changed, only the others are read again.
+//! What is kept of the last step: its static and its dormant bodies. If they have not changed, only the others are read
+//! again.
 
 use super::Candidate;
 use super::children::Child;
@@ -11,12 +11,12 @@ use crate::types::body::RigidBody;
 use crate::types::settings::{Culling, Response};
 use bevy::prelude::*;
 
-/// So few bodies at rest are read in less time than it takes to look for changes.
+/// Number of bodies at rest that are read faster than searched for changes.
 const FEW_ENTITIES: usize = 64;
 /// With more bodies that move for each one at rest, to read all takes no longer.
 const MOST_MOVERS: usize = 4;
 
-/// Notes of so many changes of static colliders; with more all are read again.
+/// Most changes of static colliders that are noted; with more, all are read again.
 const MOST_CHANGES: usize = 256;
 
 /// The settings on which what is read of a body depends.
@@ -29,23 +29,23 @@ pub(crate) struct ReadRules {
 
 /// What has the numbers of the last step.
 pub(crate) struct Same {
-    /// So many of the first candidates have those of movers.
+    /// Number of first candidates that keep their numbers.
     pub candidates: usize,
-    /// So many of the first colliders keep theirs.
+    /// Number of first colliders that keep their numbers.
     pub colliders: usize,
 }
 
 /// What is kept of the last step.
 #[derive(Debug, Default)]
 pub(crate) struct Kept {
-    /// The state of the static colliders; unknown if all are to be read again.
+    /// The state of the static colliders; unknown if all must be read again.
     revision: Revision,
     /// The static colliders.
     pub rows: Rows,
     /// All colliders, in the layout with this name.
     pub all_rows: Rows,
     layout: Revision,
-    /// Whether the keys of the last step are those of this layout.
+    /// Whether the keys of the last step belong to this layout.
     pub has_keys: bool,
     /// The bodies that are not static, ascending, whether or not the step has them.
     pub movers: Vec<Entity>,
@@ -58,12 +58,12 @@ pub(crate) struct Kept {
     pub has_news: bool,
     /// Static colliders to which users have written.
     pub changed: Vec<Entity>,
-    /// How many of them the step has read.
+    /// How many changed static colliders the step has read.
     pub statics_read: usize,
-    /// Their colliders on other entities, by their indices among the
+    /// Colliders of `movers` on other entities, by their indices among the
     /// [`ChildColliders`](super::children::ChildColliders).
     pub moving_children: Vec<u32>,
-    /// The entities of these, ascending.
+    /// The entities of `moving_children`, ascending.
     parts: Vec<Entity>,
     /// The entities above static colliders and bodies, without repetition.
     pub above: Vec<Entity>,
@@ -140,7 +140,7 @@ impl Kept {
         }
     }
 
-    /// Number of bodies that are not static, of which `read` were read.
+    /// Number of bodies that are not static, when `read` of them were read.
     pub fn mover_count(&self, read: usize, skips_dormant: bool) -> usize {
         if skips_dormant { read + self.dormant.len() } else { read }
     }
@@ -154,7 +154,7 @@ impl Kept {
         }
     }
 
-    /// Notes that users have written to a body. Returns whether all static ones are to be read again.
+    /// Notes that users have written to a body. Returns whether all static bodies must be read again.
     pub fn note_written(&mut self, body: Entity, kind: Option<RigidBody>) -> bool {
         let is_static = match kind {
             Some(RigidBody::Static) => true,
@@ -170,8 +170,8 @@ impl Kept {
         self.changed.len() > MOST_CHANGES
     }
 
-    /// How many colliders keep their numbers if these `candidates` are all that are neither static nor dormant. `None` if a
-    /// dormant one would get another number.
+    /// How many colliders keep their numbers if these `candidates` are all colliders that are neither static nor
+    /// dormant. `None` if a dormant collider would get another number.
     pub fn same_as_before(&self, bodies: &Bodies, candidates: &[Candidate]) -> Option<Same> {
         if !self.layout.is(bodies.layout) {
             let colliders = bodies.static_count;
@@ -207,7 +207,7 @@ impl Kept {
         })
     }
 
-    /// Keeps which collider of a step has which number. The first `same` have those of the last step.
+    /// Keeps which collider of a step has which number. The first `same` have the numbers of the last step.
     pub fn keep_layout(&mut self, bodies: &mut Bodies, rows: &Rows, same: usize) {
         bodies.keep_layout(same);
         self.layout = bodies.layout;
@@ -216,8 +216,8 @@ impl Kept {
     }
 
     /// Keeps what a step has read: its static colliders, and which of its `children` are parts of `movers`. All of its
-    /// colliders are valid. It has `counts` of bodies, colliders by themselves among them, and of colliders below entities;
-    /// `asleep` bodies sleep.
+    /// colliders are valid. `counts` are the numbers of bodies, including single colliders, and of colliders below
+    /// entities; `asleep` bodies sleep.
     pub fn keep(
         &mut self,
         bodies: &mut Bodies,

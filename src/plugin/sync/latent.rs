@@ -21,7 +21,7 @@ use std::collections::{BTreeMap, VecDeque};
 pub(crate) struct Row {
     pub entity: Entity,
     pub kind: RigidBody,
-    /// Its row in the motions of the step.
+    /// Row of the body in the motions of the step.
     pub row: u32,
     /// The number of its first collider.
     pub collider: u32,
@@ -31,7 +31,7 @@ pub(crate) struct Row {
 pub(crate) struct Seen {
     pub motion: Motion,
     pub asleep: bool,
-    /// It moves by its `Transform`.
+    /// Whether the body moves by its `Transform`.
     pub driven: bool,
 }
 
@@ -48,7 +48,7 @@ struct Flight {
 pub(crate) struct Latent {
     /// Number of the last collected step.
     now: u64,
-    /// Whether bodies stay on the device, so that results of theirs are not read.
+    /// Whether bodies stay on the device, so that their results are not read.
     resident: bool,
     /// The steps with pending results, oldest first.
     flights: VecDeque<Flight>,
@@ -65,9 +65,8 @@ pub(crate) struct Latent {
 }
 
 impl Latent {
-    /// Determines for the `bodies` of a step, which are ascending by entity, which of them continue from the step before,
-    /// and what users wrote. `colliders` are ascending too, and followed by `compounds` rows. `resident` bodies stay on the
-    /// device.
+    /// Determines which `bodies` of a step, ascending by entity, continue from the step before, and what users wrote.
+    /// `colliders` are ascending too, and followed by `compounds` rows. `resident` bodies stay on the device.
     pub fn link(
         &mut self,
         colliders: impl Iterator<Item = Entity>,
@@ -111,8 +110,8 @@ impl Latent {
         }
     }
 
-    /// Applies external impulses to velocities, also to those that carry over. Where the rotation carries over the host does
-    /// not know it, and the device applies the angular impulse.
+    /// Applies external impulses to velocities, also to those that carry over. If the rotation carries over, the host
+    /// does not know it, and the device applies the angular impulse.
     pub fn apply_impulses(&mut self, bodies: &mut Bodies) {
         for i in 0..bodies.len() {
             let mut row = self.carried.get_mut(bodies.motion_row(i)).and_then(Option::as_mut);

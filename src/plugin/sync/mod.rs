@@ -102,7 +102,7 @@ pub(crate) struct Step {
     pub sheared: sheared::ShearedMeshes,
     /// Rejected bodies and planes with the reason, ascending.
     pub faults: Vec<(Entity, BodyFault)>,
-    /// Scratch: those of this step.
+    /// Scratch: faults of this step.
     pub new_faults: Vec<(Entity, BodyFault)>,
     /// Components without effect.
     pub oddities: oddities::Oddities,
@@ -338,7 +338,7 @@ impl Step {
         false
     }
 
-    /// Whether a body was in the step that ran last, even if its results come later. To be asked before they are published.
+    /// Whether a body was in the step that ran last, even if its results come later. Call it before they are published.
     pub fn has_run(&self, body: Entity) -> bool {
         if let Some(assembly) = self.assembly(body) {
             return assembly.number.is_some();

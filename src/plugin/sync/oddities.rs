@@ -59,7 +59,7 @@ impl Oddity {
 pub(crate) struct Oddities {
     /// The oddities of the last step, which are logged already.
     known: Vec<(Entity, Oddity)>,
-    /// Scratch: those of this step.
+    /// Scratch: oddities of this step.
     found: Vec<(Entity, Oddity)>,
     /// Bodies without a collider, and for how many steps.
     bare: Vec<(Entity, u32)>,
@@ -71,7 +71,7 @@ impl Oddities {
         self.found.push((entity, oddity));
     }
 
-    /// Records that the stable key of a collider or plane is that of another one.
+    /// Records that a collider or plane has the stable key of another one.
     pub fn add_same_key(&mut self, Keyed { key, entity }: Keyed) {
         self.add(entity, Oddity::SameKey(key));
     }
@@ -125,7 +125,7 @@ impl Oddities {
         self.known.is_empty() && self.bare.is_empty()
     }
 
-    /// Forgets those of this step, which is read again.
+    /// Forgets the oddities of this step, which is read again.
     pub fn restart(&mut self) {
         self.found.clear();
     }

@@ -20,8 +20,8 @@ pub(crate) struct Keyed {
 }
 
 impl Keyed {
-    /// The key is the stable one if there is one, else that of the entity. Later entities have larger ones, so that what is
-    /// spawned leaves the numbers of others as they are.
+    /// The key is the stable one if there is one, else the entity's. Later entities have larger keys, so that a spawned
+    /// entity leaves the numbers of others as they are.
     pub fn new(entity: Entity, stable: Option<StableKey>) -> Self {
         // Two entities that exist at the same time differ in the other bits.
         let own = (entity.to_bits() ^ INDEX) | OF_ENTITY;
@@ -79,7 +79,7 @@ pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
     let mut is_changed = false;
     for i in (1..items.len()).rev() {
         let id = items[i].id();
-        // After those with stable keys come the others.
+        // Items with stable keys come first.
         if id.is_stable() && items[i - 1].id().key == id.key {
             *items[i].id_mut() = Keyed::new(id.entity, None);
             same(id);
@@ -96,7 +96,7 @@ pub(crate) fn sort<T: InOrder>(items: &mut [T], mut same: impl FnMut(Keyed)) {
 pub(crate) struct Numbers {
     entities: Split<Entity>,
     keys: Split<u64>,
-    /// The numbers in each part of those with stable keys, which come first, in the order of entities.
+    /// For each part, the numbers of entities with stable keys, which come first, in the order of entities.
     by_entity: [Arc<Vec<u32>>; 2],
 }
 

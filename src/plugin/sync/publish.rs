@@ -13,8 +13,8 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::prelude::*;
 
-/// Sets external impulses to zero, because they act once. Those of bodies that were not in the step, for example because their
-/// mesh is not loaded yet, wait for their first one.
+/// Sets external impulses to zero, because they act once. Impulses of bodies that were not in the step, for example
+/// because their mesh is not loaded yet, wait for the first step with the body.
 pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<(Entity, &mut ExternalForces)>) {
     if !step.engine.runs() {
         return;
@@ -88,9 +88,9 @@ pub(crate) fn land(world: &mut World) -> bool {
     true
 }
 
-/// Chooses where the step that is about to run does so. If the simulation leaves a device, its pending results are published
-/// first. They are not written to components, which may hold what users wrote for this step: it takes the bodies from the
-/// device, and writes them when it has run.
+/// Chooses where the next step runs. If the simulation leaves a device, its pending results are published first, but
+/// not written to components, which may hold what users wrote for this step: the step takes the bodies from the device,
+/// and writes them when it has run.
 pub(crate) fn choose_place(world: &mut World) {
     #[cfg(feature = "gpu")]
     while world.resource::<Step>().leaves_device() && world.resource_mut::<Step>().land() {
@@ -121,7 +121,7 @@ pub(crate) struct WrittenTransforms<'w, 's> {
 }
 
 impl WrittenTransforms<'_, '_> {
-    /// Whether that of this entity was written. The step has written its own at `written_at`.
+    /// Whether others have written this entity's `Transform`. The step has written it at `written_at`.
     pub fn contains(&self, entity: Entity, written_at: Tick) -> bool {
         self.transforms.get(entity).is_ok_and(|(transform, pose)| match pose {
             Some(pose) => *transform != pose.0,
@@ -284,7 +284,7 @@ impl Step {
         }
     }
 
-    /// Reports the last step, but for its total time.
+    /// Reports the last step, except its total time.
     fn report(&self, report: &mut StepReport) {
         let (counts, results) = (self.counts, &self.state.results);
         let body_counts = self.results.as_ref().map_or([0; 2], |results| results.body_counts);

@@ -199,7 +199,7 @@ impl Reader<'_, '_> {
         });
     }
 
-    /// Reads again what moves, and dormant bodies only if that is needed. Returns false if all is to be read again.
+    /// Reads moving bodies again, and dormant ones only if needed. Returns false if everything must be read again.
     pub fn at_most_moving(
         &mut self,
         bodies: &mut Query<BodyComponents, IsBody>,
@@ -210,8 +210,8 @@ impl Reader<'_, '_> {
             || self.step.kept.may_skip_dormant() && self.all_moving(bodies, hierarchy, counts)
     }
 
-    /// Reads again what moves, in a step that may have the static colliders of the last one and has `counts` of bodies and of
-    /// colliders below others. Returns false if all is to be read again.
+    /// Reads moving bodies again, in a step that may keep the static colliders of the last one. `counts` are the
+    /// numbers of bodies and of colliders below others. Returns false if everything must be read again.
     fn moving(
         &mut self,
         bodies: &mut Query<BodyComponents, IsBody>,
@@ -235,13 +235,13 @@ impl Reader<'_, '_> {
         let mut is_same = true;
         for &entity in &movers {
             let Ok(mut body) = bodies.get_mut(entity) else {
-                // It may be a static collider now.
+                // The entity may be a static collider now.
                 is_same &= !hierarchy.nodes.contains(entity);
                 gone.push(entity);
                 continue;
             };
             is_same &= body.kind.is_some_and(|&kind| kind != RigidBody::Static);
-            // It is counted for how long it has no collider.
+            // The step counts how long a body has no collider.
             is_same &= body.collider.is_some() || self.step.children.are_below(entity);
             self.add(&mut body, &mut others);
         }
@@ -273,7 +273,7 @@ impl Reader<'_, '_> {
         is_same && self.step.new_faults.is_empty()
     }
 
-    /// Reads again the static colliders that have changed. Returns false if all are to be read again.
+    /// Reads changed static colliders again. Returns false if all must be read again.
     fn changed_statics(&mut self, bodies: &mut Query<BodyComponents, IsBody>) -> bool {
         let mut changed = std::mem::take(&mut self.step.kept.changed);
         changed.sort_unstable();
@@ -325,7 +325,7 @@ impl Reader<'_, '_> {
         self.moving(bodies, hierarchy, counts)
     }
 
-    /// Adds the colliders that are children of bodies that move, if there are so many children in all.
+    /// Adds the colliders that are children of moving bodies, if there are `count` children in all.
     fn moving_children(&mut self, hierarchy: &Hierarchy, count: usize) -> bool {
         let mut children = std::mem::take(&mut self.step.children);
         let (kept, oddities) = (&self.step.kept, &mut self.step.oddities);
@@ -378,7 +378,7 @@ impl Reader<'_, '_> {
         self.step.candidates.push(Candidate::single(id, own));
     }
 
-    /// The velocities of a body, without those that the step has written to a kinematic one.
+    /// The velocities of a body, without values that the step has written to a kinematic one.
     fn velocities(&mut self, body: &BodyComponentsItem) -> [Vec3; 2] {
         let kind = body.kind.copied().unwrap_or(RigidBody::Static);
         self.step
@@ -458,7 +458,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Adds those colliders that are children which have these indices, ascending.
+    /// Adds the child colliders with these indices, which are ascending.
     fn children(&mut self, indices: impl Iterator<Item = u32>) {
         let mut children = std::mem::take(&mut self.step.children);
         let mut number = self.step.kept_assemblies;
@@ -468,7 +468,7 @@ impl Reader<'_, '_> {
                 self.fixed(child);
                 continue;
             };
-            // Both are ascending by body.
+            // Assemblies and children are ascending by body.
             while (self.step.assemblies.get(number)).is_some_and(|assembly| assembly.body < body) {
                 number += 1;
             }
@@ -573,7 +573,7 @@ impl Reader<'_, '_> {
     }
 }
 
-/// The arena slot of the mesh with this asset. If the asset was replaced, for example by a hot reload, so is the mesh in the
+/// The arena slot of the asset's mesh. If the asset was replaced, for example by a hot reload, so is the mesh in the
 /// slot.
 fn slot(
     arena: &mut MeshArena,

@@ -1,5 +1,5 @@
-//! Bodies that steps no longer move, but that stay in the world. Their components are behind the device, and no later result
-//! reaches them, so they are brought up to date.
+//! Bodies that steps no longer move, but that stay in the world. Their components lag behind the device, and no later
+//! result reaches them, so they are brought up to date.
 
 use super::hierarchy::{NestedBodies, parent_in, sort_top_down, world_above};
 use super::latent::Row;
@@ -9,8 +9,8 @@ use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
 
-/// Updates the components of bodies that leave, and what of them is in the step that is about to run. If they return, they
-/// continue from this state.
+/// Updates the components of bodies that leave, and their data in the next step. If they return, they continue from
+/// this state.
 pub(crate) fn release(
     mut step: ResMut<Step>,
     mut transforms: Query<&mut Transform>,
@@ -45,7 +45,7 @@ pub(crate) fn release(
             continue;
         }
         let (position, rotation) = if parents.contains(entity) {
-            // As the last step read or wrote it, unless users wrote it since.
+            // The state that the last step read or wrote, unless users wrote it since.
             let above = above(entity, &transforms);
             let posed = nested.read(&last_nested, entity, body.kind, transform, above);
             (posed.position, posed.rotation)
@@ -113,8 +113,8 @@ pub(crate) fn release(
 }
 
 impl Step {
-    /// Whether the step that is about to run does not move a body of the last one, nor knows from the device where it is.
-    /// `was_joined` says whether its colliders were placed in it.
+    /// Whether the next step neither moves a body of the last one nor gets its pose from the device. `was_joined` says
+    /// whether its colliders were placed in it.
     fn is_left_by(&self, body: &Row, was_joined: bool) -> bool {
         let Some(number) = self.number_of(body.entity) else {
             return true;

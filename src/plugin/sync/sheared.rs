@@ -14,7 +14,8 @@ use bevy::tasks::futures_lite::future::Boxed;
 /// How far two shears of the same mesh may differ, as a fraction of its size. They are one then.
 const TOLERANCE: f64 = 1.0e-5;
 
-/// Sheared copies, shared by all colliders with the same mesh and shear. One that no collider has used in a step is dropped.
+/// Sheared copies, shared by all colliders with the same mesh and shear. A copy that no collider has used in a step is
+/// dropped.
 #[derive(Default)]
 pub(crate) struct ShearedMeshes {
     copies: Vec<ShearedCopy>,
@@ -30,7 +31,7 @@ struct Used {
     has: Option<u64>,
     /// The number of the copy that it waits for.
     awaits: Option<u64>,
-    /// It asked in this step.
+    /// Whether the collider asked in this step.
     is_current: bool,
 }
 
@@ -45,7 +46,7 @@ struct ShearedCopy {
 enum State {
     /// Dropping it cancels the bake.
     Baking(SyncCell<Boxed<Result<CollisionMesh, LoadError>>>),
-    /// Its slot in the arena.
+    /// The copy's slot in the arena.
     Baked(u32),
     Failed,
 }
@@ -57,7 +58,7 @@ pub(crate) enum Sheared {
     Ready(u32),
     /// The first copy is being baked.
     Waits,
-    /// It cannot be baked.
+    /// The copy cannot be baked.
     Failed,
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Index;
 use std::sync::Arc;
 
-/// Elements of static colliders, followed by those of others.
+/// Elements of static colliders, followed by elements of others.
 #[derive(Clone, Debug)]
 pub(crate) struct Split<T> {
     fixed: Arc<Vec<T>>,

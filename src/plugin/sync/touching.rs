@@ -16,7 +16,7 @@ use bevy::prelude::*;
 pub(crate) struct Touching {
     /// The pair of colliders, with `first < second`.
     pub pair: [Keyed; 2],
-    /// Their bodies.
+    /// The bodies of the colliders.
     pub bodies: [Entity; 2],
     /// Seconds without a touch after which the collision ends.
     pub left: f32,
@@ -86,8 +86,8 @@ impl TouchingPairs {
         self.pairs.retain(|touching| !waits(touching));
     }
 
-    /// Adds the pairs that no longer touch, but are to touch for some seconds more: at most `hold` since their last touch, in steps
-    /// of `dt`, unless they are `gone`.
+    /// Adds the pairs that no longer touch, but linger for `hold` seconds since their last touch, in steps of `dt`,
+    /// unless they are `gone`.
     fn linger(&mut self, hold: f32, dt: f32, gone: impl Fn(&Touching) -> bool) {
         self.now.sort_unstable_by_key(|touching| touching.pair);
         let Self {
@@ -124,8 +124,8 @@ impl TouchingPairs {
 }
 
 impl Step {
-    /// Finds which pairs touch after a step, and tells which collisions have started or ended. A collision ends `hold` seconds
-    /// after the last touch.
+    /// Finds which pairs touch after a step, and reports which collisions have started or ended. A collision ends
+    /// `hold` seconds after the last touch.
     pub fn touch(&mut self, collisions: &mut Collisions, hold: f32, told: &mut Told) {
         let has_new_dormant = self.has_new_dormant();
         let Self {
@@ -143,7 +143,7 @@ impl Step {
         add_touching(&state.results.contacts, results, hold, &mut touching.now);
         let dormant = &mut state.scratch.dormant;
         dormant.renumber_planes(results.entities.len() as u32);
-        // Where there are more or fewer colliders, planes have other numbers.
+        // If the number of colliders has changed, planes have other numbers.
         if has_new_dormant || collisions.rows.entities.len() != results.entities.len() {
             collisions.dormant_manifolds.copy_from(&dormant.manifolds);
         }
@@ -157,7 +157,7 @@ impl Step {
         let is_latent = engine.is_latent();
         let was_taken_away = |before: &Touching| {
             let is_written = |entity: &Entity| written.binary_search(entity).is_ok();
-            // Where results come late, the arrays are those of another step.
+            // If results come late, the arrays belong to another step.
             !is_latent
                 && [before.colliders(), before.bodies].iter().flatten().any(is_written)
                 && !is_near(results, &state.input, before.colliders())
@@ -241,7 +241,7 @@ impl Told<'_, '_> {
     }
 }
 
-/// Adds the pairs that touch, of which each ends `hold` seconds after its last touch.
+/// Adds the touching pairs, each of which ends `hold` seconds after its last touch.
 fn add_touching(contacts: &Contacts, results: &Collected, hold: f32, touching: &mut Vec<Touching>) {
     let pairs = contacts.pairs.iter().map(|pair| Touching {
         pair: pair.bodies.map(|i| results.entities.keyed(i as usize)),

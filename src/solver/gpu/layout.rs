@@ -17,7 +17,7 @@ layout! {
         bias_iterations: u32, relax_iterations: u32, restitution_iterations: u32, max_iterations: u32,
         sleep_speed: f32, sleep_time: f32, padding_a: u32, padding_b: u32,
     }
-    /// How a body passes through a step that has so many collision substeps for it.
+    /// How a body with a given number of collision substeps passes through a step.
     Pace {
         h: f32, dt: f32, substeps: u32, bias_rate: f32,
         mass_scale: f32, impulse_scale: f32, stiffness: f32, padding: u32,

@@ -1,4 +1,4 @@
-//! The solver on the GPU, with bodies, contacts and saved impulses in buffers. Its method is that of the CPU.
+//! The solver on the GPU, with bodies, contacts and saved impulses in buffers. It uses the method of the CPU's solver.
 //!
 //! Bodies are joined into islands by union-find, and pairs are sorted by island. One workgroup solves an island, with all
 //! its substeps and passes, in one dispatch. Before that it colours the pairs: those of one colour have no body in common
@@ -52,7 +52,7 @@ use super::{body_constants, clearance, load, overlap, patch, restitution, softne
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
-/// Points times passes of an island in one part of all substeps that heavy loads make of one.
+/// Most points times passes of an island in one part of the substeps into which heavy loads divide one.
 ///
 /// On a real GPU the points of a pair come one after the other. Without this limit a single island of 50 points with 16 times
 /// the substeps took a hundred milliseconds of a step. The CPU is much faster at a single island and has no such limit.

@@ -1,4 +1,4 @@
-//! The buffers between contact generation and the solver, and those that persist between steps.
+//! Buffers between contact generation and the solver, and buffers that persist between steps.
 
 use crate::gpu::buffers::{Capacity, buffers, grow};
 use crate::gpu::layout::{ContactPair, ContactPoint, Division, Meeting, Sweep, TALLIES, Touch};
@@ -125,7 +125,7 @@ buffers! {
         last_step_points: ARRAY SavedPoint, capacity.solver().points, "saved points of the last step";
         /// The pairs of the last contact generation.
         last_step_contact_pairs: ARRAY ContactPair, capacity.solver().pairs, "contact pairs of the last step";
-        /// Their points.
+        /// Contact points of the last step.
         last_step_contact_points: ARRAY ContactPoint, capacity.solver().points, "contact points of the last step";
     }
 }

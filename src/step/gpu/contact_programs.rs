@@ -111,7 +111,7 @@ impl ContactPrograms {
                 bind(contacts.calls(&[Stage::Integrate], middle)),
                 bind(contacts.calls(&[Stage::Integrate], last)),
             ];
-            // It is the same in every collision substep.
+            // The program is the same in every collision substep.
             let solve = [false, true].map(|may_sleep| {
                 let recorder = Recorder { may_sleep, ..contacts };
                 bind(recorder.calls(&[Stage::ForceScan], Place::of(0, 1)))
@@ -195,9 +195,9 @@ impl ContactPrograms {
         }
     }
 
-    /// Records a collision substep from the broad phase to the solution of its contacts. It keeps the states of bodies at
-    /// its start if continuous collision will ask for them. The faces of pairs are tested only if somebody `reads_pairs`:
-    /// contacts do not depend on them.
+    /// Records a collision substep from the broad phase to the solution of its contacts. The states of bodies at its
+    /// start are kept if continuous collision needs them. The faces of pairs are tested only if `reads_pairs`: contacts
+    /// do not depend on them.
     pub fn record_solution(
         &self,
         commands: &mut Commands,

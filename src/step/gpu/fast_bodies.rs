@@ -2,7 +2,7 @@
 //!
 //! The device solves a collision substep. The CPU then stops these bodies at their impacts, with the code and the exact
 //! arithmetic of [`ccd`](crate::ccd), and the device goes on from there. The CPU reads no more than it needs: the pairs
-//! of bodies that may meet, and the states of those of them that may meet a fast one. If a list was too short it does
+//! of bodies that may meet, and the states of bodies that may meet a fast one. If a list was too short the CPU does
 //! nothing, and the step is repeated.
 
 use super::contact_programs::ContactPrograms;
@@ -202,7 +202,7 @@ impl FastBodies<'_> {
         }))
     }
 
-    /// These colliders where they are before a collision substep, and for the solver where they are after it.
+    /// These colliders at their poses before a collision substep, and for the solver after it.
     fn placed(
         &self,
         colliders: &[u32],
@@ -229,8 +229,8 @@ impl FastBodies<'_> {
             }
         };
         set(&mut solver_bodies, before);
-        // Where the host believes a body to be may be some steps ago. A rotation that it has already would not be written
-        // again, and may differ in the last bit from the device's, rounded, although both are the same once normalized.
+        // The host's pose of a body may be some steps old. An equal rotation would not be written again, and may differ
+        // in the last bit from the device's rounded one, although both are the same once normalized.
         for &i in &moves {
             bodies.rotation[i] = Quat::NAN;
         }
@@ -243,10 +243,9 @@ impl FastBodies<'_> {
     }
 }
 
-/// Rows of a list that are read: some numbers, and what lies between those that are near each other, because each copy
-/// has a cost of its own.
+/// Rows of a list that are read: some numbers, and the rows between near ones, because each copy has a cost of its own.
 struct Rows {
-    /// Each with the number of rows before it.
+    /// Runs of rows, each with the number of rows before it.
     runs: Vec<(Range<u32>, usize)>,
 }
 
@@ -274,7 +273,7 @@ impl Rows {
         self.runs.last().map_or(0, |(last, before)| before + last.len())
     }
 
-    /// Their bytes in a list of these elements.
+    /// The bytes of these rows in a list of `T`.
     fn ranges<'b, T>(&self, list: &'b Buffer) -> Vec<(&'b Buffer, Range<u64>)> {
         self.runs.iter().map(|(run, _)| rows::<T>(list, run.clone())).collect()
     }

@@ -13,7 +13,7 @@ use wgpu::{Buffer, BufferAsyncError, PollType, SubmissionIndex};
 
 /// A submitted step.
 pub(super) struct Flight {
-    /// Its input, in case that it has to be repeated.
+    /// The input of the step, in case it has to be repeated.
     pub input: Input,
     /// Which results are read.
     pub detail: Detail,

@@ -1,5 +1,5 @@
-//! The memory between steps moves from the CPU to the device and back, when steps move. So bodies stay asleep, and piles
-//! keep their impulses.
+//! Moves the memory between steps from the CPU to the device and back when steps move there. So bodies stay asleep, and
+//! piles keep their impulses.
 
 use super::memory::DeviceMemory;
 use super::remap::{LastBodies, LastCompound, LastPart};
@@ -19,7 +19,7 @@ use glam::{Quat, Vec3};
 use std::collections::BTreeMap;
 
 impl DeviceMemory {
-    /// The memory of a device on which the last step would have been. `manifolds` are those of the last step.
+    /// The memory that a device would have if the last step had run on it. `manifolds` are those of the last step.
     pub fn from_cpu(memory: &StepMemory, manifolds: &Manifolds) -> Self {
         let mut manifolds = manifolds.clone();
         manifolds.pairs.sort_unstable_by_key(|pair| pair.bodies);

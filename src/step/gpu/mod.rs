@@ -112,7 +112,7 @@ pub struct GpuStep {
     batch_size: BatchSize,
     /// The use of lists.
     recent: Recent,
-    /// The use of those that are read back.
+    /// The use of lists that are read back.
     room: RecentRoom,
     /// Continuous collision.
     ccd: Ccd,
@@ -168,7 +168,7 @@ impl GpuStep {
         Self::with_capacity(gpu, START)
     }
 
-    /// With this initial capacity. Results do not depend on it.
+    /// A step with this initial capacity. Results do not depend on it.
     ///
     /// # Errors
     /// If the device cannot run the stages.
@@ -213,13 +213,14 @@ impl GpuStep {
         }
     }
 
-    /// With batches of this size. Results do not depend on it.
+    /// This step with batches of this size. Results do not depend on it.
     pub fn with_batch_size(mut self, batch_size: BatchSize) -> Self {
         self.batch_size = batch_size;
         self
     }
 
-    /// With commands for this many more collision substeps than the last steps suggest. Results do not depend on it.
+    /// This step with commands for this many more collision substeps than the last steps suggest. Results do not depend
+    /// on it.
     pub fn with_spare_substeps(mut self, spare: u32) -> Self {
         self.recent_substeps.spare = spare;
         self
@@ -288,7 +289,7 @@ impl GpuStep {
         self.waits
     }
 
-    /// The results of the oldest step in flight, for which it waits; `None` if there is none.
+    /// Waits for the oldest step in flight and returns its results; `None` if there is none.
     ///
     /// # Errors
     /// If the device cannot hold the lists, or fails. All steps in flight are then given up.
@@ -325,7 +326,7 @@ impl GpuStep {
     fn fail(&mut self) {
         self.forget();
         self.known.clear();
-        // It is unknown which meshes were written, so the next step writes all.
+        // Which meshes were written is unknown, so the next step writes all.
         self.arena = self.empty_arena();
     }
 
@@ -338,7 +339,8 @@ impl GpuStep {
         }
     }
 
-    /// Motions of all colliders after the last submitted step, for which it waits, followed by those of compounds.
+    /// Waits for the last submitted step, and returns the motions of all colliders after it, followed by those of
+    /// compounds.
     ///
     /// # Errors
     /// As [`GpuStep::take`].

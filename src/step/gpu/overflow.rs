@@ -138,8 +138,9 @@ impl GpuStep {
         self.recent.add(used, for_contacts);
     }
 
-    /// Repeats all steps in flight with longer lists, or with more collision substeps. Returns whether there were too few.
-    /// No body has moved since the first of them, because its overflow made the others do nothing.
+    /// Repeats all steps in flight with longer lists, or with more collision substeps. Returns whether lists or
+    /// collision substeps were too few. No body has moved since the first of these steps, because its overflow made the
+    /// others do nothing.
     fn repeat(&mut self, counters: &[u32], tally: &[u32], fast_bodies: Option<FastBodies>) -> Result<bool, StepError> {
         let needed = Capacity {
             pairs: counters[SPHERE_PAIRS as usize].max(tally[MAX_SPHERE_PAIRS as usize]),

@@ -1,10 +1,10 @@
-//! How many collision substeps each body needs: as many as the bodies do that it can meet. The device counts them, because
-//! it alone knows where the bodies are. A body that has completed its step keeps its pose and its contact points while
-//! others go on. The twin of the CPU's `step/reach`, `step/territories` and `step/schedule`.
+//! How many collision substeps each body needs: the largest number that it or a body that it can meet needs. The device
+//! counts them, because only it knows where the bodies are. A body that has completed its step keeps its pose and its
+//! contact points while others go on. The twin of the CPU's `step/reach`, `step/territories` and `step/schedule`.
 //!
-//! The commands of a step are recorded before the largest number is known, for one that the last steps suggest. If the step
-//! needs more, it does nothing and is repeated, as if a list were too short; if it needs fewer, the last ones do nothing. So the
-//! results are the same for any number that suffices.
+//! The commands of a step are recorded before the largest number is known, for a number that the last steps suggest. If
+//! the step needs more, it does nothing and is repeated, as if a list were too short; if it needs fewer, the last ones
+//! do nothing. So the results are the same for any number that suffices.
 
 use crate::broad_phase;
 use crate::gpu::buffers::Capacity;
@@ -36,8 +36,8 @@ pub(super) const SCHEDULE: Kernel = kernel!("step/schedule");
 /// Begins a collision substep.
 pub(super) const BEGIN_SUBSTEP: Kernel = kernel!("step/begin_substep");
 
-/// After so many comparisons of a body with the territory of a group all bodies get the largest number: one workgroup compares
-/// them.
+/// After this many comparisons of bodies with territories of groups all bodies get the largest number: one workgroup
+/// compares them.
 const MAX_COMPARISONS: u32 = 1 << 22;
 
 pub(super) const CONSTANTS: Module = shared_constants!("faceoff::constants::reach", {
@@ -102,8 +102,8 @@ impl RecentSubsteps {
         self.at = (self.at + 1) % REMEMBERED;
     }
 
-    /// For how many commands are recorded, if no more than `most` can be needed. Where bodies meet the number changes often,
-    /// so there is one to spare.
+    /// The number of collision substeps for which commands are recorded, if no more than `most` can be needed. Where
+    /// bodies meet the number changes often, so there is one to spare.
     pub fn recorded(&self, most: u32) -> u32 {
         let needed = self.needed.into_iter().max().unwrap_or(0);
         let suggested = match needed {

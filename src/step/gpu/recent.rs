@@ -16,7 +16,7 @@ pub struct Recent {
 /// After this many steps lists may become shorter. New buffers cost a few milliseconds.
 const STEPS: u32 = 256;
 
-/// A list becomes shorter if no step has used more than this fraction of it: one in so many.
+/// A list becomes shorter if no step has used more than one in this many of its elements.
 const UNUSED: u32 = 4;
 
 impl Recent {
@@ -64,7 +64,7 @@ impl Recent {
             meshes: capacity.meshes,
             words: capacity.words,
         };
-        // Steps without contacts say nothing of these lists.
+        // Steps without contacts say nothing about the lists of contacts.
         let of_contacts = match (for_contacts, most_for_contacts) {
             (Some(has), Some(most)) => Some(StepCapacity {
                 // The lists of the step set a least number of bodies.
@@ -102,7 +102,7 @@ fn shorter_for_contacts(capacity: StepCapacity, most: StepCapacity) -> StepCapac
     StepCapacity {
         contacts: ContactCapacity {
             batches,
-            // These two follow from the lists of the step.
+            // `margin_pairs` and `slots` follow from the lists of the step.
             margin_pairs: has.margin_pairs,
             slots: has.slots,
             near_triangles: of_batch(has.near_triangles, used.near_triangles, least.near_triangles),
@@ -119,7 +119,7 @@ fn shorter_for_contacts(capacity: StepCapacity, most: StepCapacity) -> StepCapac
     }
 }
 
-/// The length of a list of which this much was used.
+/// The new length of a list of length `has`, of which `used` was used.
 fn shorter(has: u32, used: u32, least: u32) -> u32 {
     let wanted = grow(0, used).max(least);
     if used.saturating_mul(UNUSED) < has && wanted < has {

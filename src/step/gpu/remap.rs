@@ -20,7 +20,7 @@ pub struct LastBodies {
     pub(super) parts: Vec<LastPart>,
     pub(super) planes: Vec<Plane>,
     pub(super) gravity: Vec3,
-    /// Numbers of bodies whose speeds were left out of those that the device reports, ascending.
+    /// Numbers of bodies whose speeds the device does not report, ascending.
     pub(super) left_out: Vec<u32>,
     /// Bodies that had an impact, with their velocities after it: linear and angular.
     pub(super) impacts: BTreeMap<u32, [Vec3; 2]>,
@@ -45,7 +45,7 @@ pub(super) struct LastPart {
 /// Where the state of a compound after the last step is, and what carries over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CompoundRemap {
-    /// Its row in `moved`.
+    /// Row of the compound in `moved`.
     pub row: u32,
     /// The number of its first collider.
     pub collider: u32,
@@ -56,9 +56,9 @@ pub struct CompoundRemap {
 /// A body whose speed was left out in the last step and counts in this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slowed {
-    /// Its number.
+    /// Number of the body.
     pub number: u32,
-    /// Its number in the last step.
+    /// Number of the body in the last step.
     pub before: u32,
     /// Linear and angular, if the host knows them.
     pub velocities: Option<[Vec3; 2]>,
@@ -79,8 +79,8 @@ pub struct BodyRemap {
     pub has_fast_bodies: bool,
     /// The bodies with continuous collision that move, ascending. Their speeds cause no collision substeps.
     pub fast: Vec<u32>,
-    /// Bodies that were among them in the last step. A body that has had an impact is likely to have another one with the
-    /// same body, so it needs collision substeps too.
+    /// Bodies that were `fast` in the last step and no longer are. A body that has had an impact is likely to hit the
+    /// same body again, so it needs collision substeps too.
     pub slowed: Vec<Slowed>,
 }
 

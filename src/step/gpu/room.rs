@@ -1,8 +1,8 @@
 //! How much of each list is read back.
 //!
 //! How long a list will be is not known when its copy is recorded. So a step has room for somewhat more than the last steps
-//! have used, and not for all that its buffers hold. If it finds more, that is an overflow like any other: the step is
-//! repeated with more room.
+//! have used, and not for all that its buffers hold. More results are an overflow like any other: the step is repeated
+//! with more room.
 
 use super::buffers::StepCapacity;
 use crate::gpu::buffers::{Capacity, grow};
@@ -11,7 +11,7 @@ use crate::types::gpu_work::GpuLists;
 /// Lengths of the lists that are read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Room {
-    /// Pairs of bodies whose spheres overlap, and those of them that touch.
+    /// Pairs of bodies whose spheres overlap, and pairs that touch.
     pub pairs: u32,
     /// Pairs of intersecting faces.
     pub hits: u32,
@@ -19,7 +19,7 @@ pub struct Room {
     pub plane_contacts: u32,
     /// Pairs with contact points.
     pub contact_pairs: u32,
-    /// Their points.
+    /// Contact points of these pairs.
     pub contact_points: u32,
     /// Points of touching pairs.
     pub touches: u32,
@@ -94,7 +94,7 @@ pub struct RecentRoom {
     steps: u32,
 }
 
-/// A window has so many steps.
+/// Steps in a window.
 const STEPS: u32 = 16;
 
 impl Default for RecentRoom {

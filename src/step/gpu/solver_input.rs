@@ -21,7 +21,7 @@ pub struct SolverInput {
     config: StepConfig,
     /// The number of collision substeps that the step needs if all bodies can meet, by the speeds that the host knows.
     most_substeps: u32,
-    /// The number for which there are commands.
+    /// The number of collision substeps for which there are commands.
     pub recorded_substeps: u32,
     bodies: Vec<layout::SolverBody>,
     /// Number of planes, which are the last of them.
@@ -36,7 +36,7 @@ pub struct SolverInput {
     pub host_speeds: HostSpeeds,
 }
 
-/// Speeds that the host sets or changes in one step, and those of bodies that are no longer fast.
+/// Speeds that the host sets or changes in one step, and speeds of bodies that are no longer fast.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HostSpeeds {
     /// Speeds of these bodies.
@@ -46,10 +46,9 @@ pub struct HostSpeeds {
 }
 
 impl SolverInput {
-    /// Packs the bodies and planes of `state`. Bodies whose velocity carries over, by `carried`, which has an entry for
-    /// each collider and then for each compound, have at most
-    /// `speeds`, plus what the host adds. The velocities of [`BodyRemap::slowed`] must be known. `recent` suggests for how
-    /// many collision substeps commands are recorded.
+    /// Packs the bodies and planes of `state`. `carried` has an entry for each collider and then for each compound.
+    /// Bodies whose velocity carries over have at most `speeds`, plus what the host adds. The velocities of
+    /// [`BodyRemap::slowed`] must be known. `recent` suggests for how many collision substeps commands are recorded.
     pub(super) fn new(
         state: &StepInput,
         carried: &[Option<Carried>],
@@ -96,7 +95,7 @@ impl SolverInput {
         let left = (0..count).filter(|&i| !bodies.bodies[i].continuous);
         let mut added = left.map(|i| speed_of_impulses(&bodies, i)).fold(0.0, f32::max);
         let mut carried_speeds = Speeds::NONE;
-        // What carries over is not that of the host, and need not be sent when the host's changes.
+        // State that carries over is not the host's, and need not be sent when the host's changes.
         let rows = 0..count + placed.compounds.len();
         for (row, carried) in rows.clone().filter_map(|row| Some((row, (*carried.get(row)?)?))) {
             if carried.rotation || carried.position.axes.any() {

@@ -103,7 +103,7 @@ impl GpuStep {
             self.write(changes)?;
         }
         if self.rest.is_some() {
-            // This step may be at rest too, if those in flight are.
+            // This step may be at rest too, if the steps in flight are.
             self.finish_all()?;
         }
         self.population = input.population();
@@ -111,7 +111,7 @@ impl GpuStep {
         let fast_bodies = input.has_fast_bodies().then_some(FastBodies(state));
         self.launch(input, detail, between, fast_bodies)?;
         if fast_bodies.is_some() {
-            // If it has to be repeated, then now, while the input is at hand. The next step must know its impacts.
+            // Finishes now, because a repetition needs the input, and the next step must know the impacts.
             self.finish_all_with(fast_bodies)?;
         }
         Ok(())

@@ -24,11 +24,11 @@ use glam::{BVec3, DMat3, Quat, Vec3};
 /// A body that continues from the last step, whose results the host may not know yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carried {
-    /// Its row in the motions after the last step: first those of colliders, then those of compounds.
+    /// The body's row in the motions after the last step: first motions of colliders, then of compounds.
     pub source: u32,
     /// What carries over of its position.
     pub position: CarriedVector,
-    /// Whether its rotation carries over. Otherwise it is that of [`Bodies`].
+    /// Whether its rotation carries over. Otherwise [`Bodies`] has it.
     pub rotation: bool,
     /// What carries over of its linear velocity.
     pub linear: CarriedVector,
@@ -39,7 +39,7 @@ pub struct Carried {
 /// What carries over of a vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarriedVector {
-    /// The axes along which it carries over. Along the others it is that of [`Bodies`].
+    /// The axes along which it carries over. Along the others [`Bodies`] has it.
     pub axes: BVec3,
     /// Added along these axes.
     pub added: Vec3,
@@ -241,12 +241,12 @@ impl Input {
         }
     }
 
-    /// How many of these intersecting face pairs are listed.
+    /// How many of `hits` intersecting face pairs are listed.
     pub(super) fn listed_hits(&self, hits: u32) -> u32 {
         if self.face_lists { hits } else { 0 }
     }
 
-    /// Whether there are none.
+    /// Whether there are no colliders.
     pub fn is_empty(&self) -> bool {
         self.step.bodies == 0
     }
@@ -344,8 +344,8 @@ impl Input {
     }
 }
 
-/// Source and `carried` of a body, from those that the host says and those that follow from its colliders. These may have
-/// been those of another body, whose state it does not continue then.
+/// Source and `carried` of a body, from the host's and from those of its colliders. The colliders may have belonged to
+/// another body, whose state the body does not continue.
 fn both((source, carried): (u32, u32), (of_colliders, also): (u32, u32)) -> (u32, u32) {
     if carried == 0 {
         (of_colliders, also)
@@ -371,8 +371,8 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
     let radius = mesh.radius * scale.abs().max_element();
     let sent = carried.map_or_else(|| bodies.motion(i), |carried| carried.sent(bodies.motion(i)));
     let [force_acceleration, torque_acceleration] = bodies.surface_accelerations(i);
-    // An angular impulse acts when the device knows the rotation, which is after margins are chosen. For these it is a torque
-    // that takes the whole step.
+    // An angular impulse acts when the device knows the rotation, after margins are chosen. Margins count it as a
+    // torque over the whole step.
     let [_, by_impulse] = bodies.surface_speeds_of_impulses(i);
     let torque_acceleration = (torque_acceleration + by_impulse / state.config.dt).min(MAX_ACCELERATION);
     layout::Body {

@@ -334,7 +334,7 @@ pub struct Decided {
 }
 
 impl Scratch {
-    /// Decides the candidates in order, and reports those that intersect or are undecided.
+    /// Decides the candidates in order, and reports candidates that intersect or are undecided.
     #[inline(always)]
     pub fn decide<S: Simd>(&self, simd: S, pair_scale: &PairScale, mut report: impl FnMut(Decided)) {
         let metres = 1.0 / f64::from(pair_scale.unit);

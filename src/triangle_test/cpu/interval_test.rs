@@ -116,7 +116,7 @@ struct Chord<S: Simd> {
     high: Points<S>,
     low_at: f32x8<S>,
     high_at: f32x8<S>,
-    /// Error bound of the points, apart from that of the coordinates.
+    /// Error bound of the points, besides the error bound of the coordinates.
     error: f32x8<S>,
 }
 

@@ -85,14 +85,14 @@ impl<'a, S: Simd> PairSetup<'a, S> {
         }
     }
 
-    /// Places `lanes` of a cluster of the first body, without those that are not in view.
+    /// Places the `lanes` of a cluster of the first body that are in view.
     #[inline(always)]
     pub fn place_a(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32) {
         let origin = self.pair_frame.place_a(self.a.lanes.clusters[cluster as usize].origin);
         self.a.place(placed, cluster, lanes, origin, &self.pair_scale);
     }
 
-    /// Places `lanes` of a cluster of the second body, without those that are not in view.
+    /// Places the `lanes` of a cluster of the second body that are in view.
     #[inline(always)]
     pub fn place_b(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32) {
         let origin = self.pair_frame.place_b(self.b.lanes.clusters[cluster as usize].origin);

@@ -79,7 +79,7 @@ pub struct PlacedCluster {
     pub height_error: Stored,
     /// Lanes that remain in the test.
     pub lanes: u32,
-    /// Bounding box of those lanes.
+    /// Bounding box of the `lanes`.
     pub aabb: Aabb,
     /// Largest absolute coordinate of all corners.
     pub extent: f32,

@@ -15,8 +15,8 @@ pub type Scratch = InOrder<PlaneContact>;
 /// Bodies per task.
 const TASK: usize = 64;
 
-/// Appends the contacts of all bodies with the planes that detect them, ascending by body, then plane, if the pair is `wanted`.
-/// Plane `i` has the number `bodies.len() + i`.
+/// Appends the contacts of `wanted` pairs of bodies with planes that detect them, ascending by body, then plane. Plane
+/// `i` has the number `bodies.len() + i`.
 pub fn find(
     bodies: &Bodies,
     meshes: &MeshArena,
