@@ -3,6 +3,8 @@
 //!
 //! With `--queries` it compares queries of one mesh: rays against a large terrain, overlaps and casts.
 //!
+//! With `--levels` it compares steps of worlds in which nearly everything is static or asleep.
+//!
 //! With `--physics` it compares the accuracy of the motion instead: in bevy_faceoff, rapier3d and avian3d, the last two also with our
 //! contacts.
 //!
@@ -12,6 +14,7 @@
 mod avian;
 mod engine;
 mod judge;
+mod levels;
 mod manifolds;
 mod narrow;
 mod ours;
@@ -68,6 +71,9 @@ struct Options {
     /// Compare queries of one mesh instead, in ours, parry3d and obvhs.
     #[arg(long)]
     queries: bool,
+    /// Compare steps of levels instead: ten bodies that fall beside thousands of static or sleeping ones.
+    #[arg(long)]
+    levels: bool,
     #[command(flatten)]
     physics: physics::Options,
     /// Run as the process of an engine.
@@ -109,6 +115,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let limit = Duration::from_secs(options.limit.unwrap_or(default(180, 20) as u64));
     if options.physics.physics {
         physics::compare(&options.physics, options.quick, limit);
+        return Ok(());
+    }
+    if options.levels {
+        levels::compare();
         return Ok(());
     }
     if options.queries {
