@@ -111,13 +111,6 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         fill_still(dormant_grid, members, bodies);
     }
 
-    let tasks = moving_grid.ids.len().div_ceil(TASK);
-    let still_tasks = [&*static_grid, loose_grid, dormant_grid].map(|still| still_tasks(still, moving_grid));
-    let all_tasks = tasks + still_tasks.iter().sum::<usize>();
-    if found.len() < all_tasks {
-        found.resize_with(all_tasks, Finder::default);
-    }
-    let found = &mut found[..all_tasks];
     let within_limit = |per_search| MostPairs {
         in_all: limit,
         per_search,
@@ -188,13 +181,29 @@ fn fill_still(grid: &mut Grid, members: &[u32], bodies: &Bodies) {
     }
 }
 
-/// Number of tasks in which bodies that do not move search for moving ones of coarser levels.
-fn still_tasks(still: &Grid, moving: &Grid) -> usize {
-    let coarsest = moving.levels.last().map_or(0, |level| level.number);
-    let mut searching = still.levels.iter().filter(|level| level.number < coarsest);
-    match searching.next() {
-        Some(_) => still.ids.len().div_ceil(TASK),
-        None => 0,
+/// Whether the moving bodies of a level search a level of others that do not move. If not, these search the moving ones.
+///
+/// Bodies search their own and coarser levels, of which their spheres overlap few cells. A few moving bodies among many finer
+/// ones search these too: one fast body must not make each static one search.
+fn moving_ones_search(moving: &Level, still: &Level, most: MostPairs) -> bool {
+    if still.number >= moving.number {
+        return true;
+    }
+    let has_limit = most.per_search < usize::MAX;
+    !has_limit && moving.cost_of_searching(still) <= still.cost_of_searching(moving)
+}
+
+/// Number of tasks in which bodies that do not move search for moving ones.
+fn still_tasks(still: &Grid, moving: &Grid, most: MostPairs) -> usize {
+    let searches = |level: &Level| {
+        moving
+            .levels
+            .iter()
+            .any(|other| !moving_ones_search(other, level, most))
+    };
+    match still.levels.iter().any(searches) {
+        true => still.ids.len().div_ceil(TASK),
+        false => 0,
     }
 }
 
@@ -203,10 +212,17 @@ fn still_tasks(still: &Grid, moving: &Grid) -> usize {
 fn search(
     bodies: &Bodies,
     [moving, fixed, loose, dormant]: [&Grid; 4],
-    found: &mut [Finder],
+    found: &mut Vec<Finder>,
     most: MostPairs,
 ) -> usize {
     let tasks = moving.ids.len().div_ceil(TASK);
+    let tasks_of = [fixed, loose, dormant].map(|still| still_tasks(still, moving, most));
+    let all_tasks = tasks + tasks_of.iter().sum::<usize>();
+    if found.len() < all_tasks {
+        found.resize_with(all_tasks, Finder::default);
+    }
+    let (found, unused) = found.split_at_mut(all_tasks);
+    unused.iter_mut().for_each(|finder| finder.begin(most));
     // If all static bodies are in their grid, the grid of loose ones is empty.
     let all_fixed = loose.ids.is_empty();
     let is_fixed = |i: u32| all_fixed || !bodies.static_changes.is_loose(i);
@@ -225,13 +241,12 @@ fn search(
         if task < tasks {
             let own = range(task, moving);
             finder.moving_pairs(moving, own.clone(), bodies);
-            // Moving bodies search their own and coarser levels; bodies of finer levels search for them.
             for (still, counts) in still {
                 finder.pairs_between(
                     [moving, still],
                     own.clone(),
                     bodies,
-                    |own, other| other >= own,
+                    |own, other| moving_ones_search(own, other, most),
                     |[_, i]| counts(i),
                 );
             }
@@ -239,15 +254,14 @@ fn search(
             return;
         }
         let mut task = task - tasks;
-        for (still, counts) in still {
-            let own_tasks = still_tasks(still, moving);
+        for ((still, counts), own_tasks) in still.into_iter().zip(tasks_of) {
             if task < own_tasks {
                 let own = range(task, still);
                 finder.pairs_between(
                     [still, moving],
                     own,
                     bodies,
-                    |own, other| other > own,
+                    |own, other| !moving_ones_search(other, own, most),
                     |[i, _]| counts(i),
                 );
                 break;
@@ -330,13 +344,13 @@ impl Finder {
     }
 
     /// Finds the pairs that `counts` admits, between bodies of the first grid in `range` and bodies of the second grid
-    /// in levels that `searches` allows. It gets the numbers of both levels.
+    /// in levels that `searches` allows. It gets both levels.
     fn pairs_between(
         &mut self,
         [own_grid, other]: [&Grid; 2],
         range: Range<usize>,
         bodies: &Bodies,
-        searches: impl Fn(usize, usize) -> bool,
+        searches: impl Fn(&Level, &Level) -> bool,
         counts: impl Fn([u32; 2]) -> bool,
     ) {
         for own in &own_grid.levels {
@@ -344,7 +358,7 @@ impl Finder {
             if some.is_empty() {
                 continue;
             }
-            for level in other.levels.iter().filter(|level| searches(own.number, level.number)) {
+            for level in other.levels.iter().filter(|level| searches(own, level)) {
                 self.search_level([own_grid, other], level, some.clone(), bodies, |_| 0, &counts);
             }
         }
@@ -428,4 +442,35 @@ fn may_collide(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {
     let sensor = bodies.sensor[a] || bodies.sensor[b];
     let moved = either(RigidBody::Dynamic) || (sensor && either(RigidBody::Kinematic));
     moved && !is_one_body && bodies.layers[a].interacts_with(bodies.layers[b])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// A grid of spheres of this radius, 3 m from each other.
+    fn spheres(count: u32, radius: f32) -> Grid {
+        let members: Vec<u32> = (0..count).collect();
+        let at = |&i: &u32| 3.0 * Vec3::new((i % 100) as f32, 0.0, (i / 100) as f32);
+        let centers: Vec<Vec3> = members.iter().map(at).collect();
+        let mut grid = Grid::default();
+        grid.fill(&members, &centers, &vec![radius; members.len()]);
+        grid
+    }
+
+    #[test]
+    fn few_large_moving_bodies_search_for_many_small_ones_at_rest() {
+        let (one, many) = (spheres(1, 20.0), spheres(10_000, 1.0));
+        assert_eq!(still_tasks(&many, &one, MostPairs::default()), 0);
+        let limited = MostPairs {
+            in_all: 100,
+            per_search: 1,
+        };
+        assert!(still_tasks(&many, &one, limited) > 0);
+        // Beside as many large ones each small one looks at fewer cells.
+        let (large, few) = (spheres(10_000, 20.0), spheres(100, 1.0));
+        assert!(still_tasks(&few, &large, MostPairs::default()) > 0);
+        assert_eq!(still_tasks(&large, &few, MostPairs::default()), 0);
+    }
 }

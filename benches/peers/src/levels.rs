@@ -10,8 +10,6 @@ use crate::scene::STEP;
 use crate::timing::{median, pool, time};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::plugin::settings::Backend;
-use bevy_faceoff::plugin::{FaceoffHeadlessPlugins, StepPlugin};
 use rapier3d::prelude::{ColliderBuilder, PhysicsWorld, RigidBodyBuilder};
 
 /// Steps before the first that counts: cubes on a floor fall asleep in them.

@@ -137,6 +137,13 @@ impl Level {
         [self.cell(center - reach), self.cell(center + reach)]
     }
 
+    /// About how many cells all bodies of this level look at in another level.
+    pub fn cost_of_searching(&self, other: &Self) -> f64 {
+        let reach = f64::from(self.radius) + f64::from(other.radius);
+        let cells = 2.0 * reach * other.cells_per_meter + 1.0;
+        f64::from(self.end - self.first) * cells.powi(3)
+    }
+
     /// Bucket of the first cell in a row of a block.
     fn row(&self, [block_x, y, z]: [i64; 3]) -> u32 {
         let [block_y, block_z] = [y >> BLOCK_BITS[1], z >> BLOCK_BITS[2]];
