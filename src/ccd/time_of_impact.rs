@@ -1,6 +1,6 @@
 //! The time of impact of two moving bodies, and where they first touch.
 
-use super::search::{Outcome, Scratch, Search, Side};
+use super::search::{Outcome, Scratch, Search, SweptMesh};
 use super::triangle_pair::TargetDistance;
 use super::{Sweep, spheres};
 use crate::state::mesh_arena::MeshArena;
@@ -109,8 +109,8 @@ pub(super) fn search<'a>(
         reached: target_distance + tolerance,
     };
     let span = spheres::overlap(sweeps, radii[0] + radii[1] + target.reached)?;
-    let side = |number: usize, i: usize| {
-        Some(Side {
+    let swept = |number: usize, i: usize| {
+        Some(SweptMesh {
             mesh: &meshes.get(bodies.mesh[i])?.mesh,
             sweep: bodies
                 .part(i as u32)
@@ -122,7 +122,7 @@ pub(super) fn search<'a>(
     };
     let surface_speed = |side: usize| sweeps[side].turn.length() * radii[side];
     Some(Search {
-        sides: [side(0, a)?, side(1, b)?],
+        meshes: [swept(0, a)?, swept(1, b)?],
         target,
         span,
         speed: (sweeps[0].travel - sweeps[1].travel).length() + surface_speed(0) + surface_speed(1),
