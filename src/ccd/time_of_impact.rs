@@ -98,7 +98,7 @@ pub(super) fn search<'a>(
     let offset = |i: u32| {
         bodies
             .part(i)
-            .map_or(DVec3::ZERO, |part| part.place.rotation.inverse() * part.offset)
+            .map_or(DVec3::ZERO, |part| part.pose.rotation.inverse() * part.offset)
     };
     let offsets = pair.map(offset);
     let radii = [(a, offsets[0]), (b, offsets[1])].map(|(i, offset)| f64::from(bodies.radius[i]) + offset.length());
@@ -114,7 +114,7 @@ pub(super) fn search<'a>(
             mesh: &meshes.get(bodies.mesh[i])?.mesh,
             sweep: bodies
                 .part(i as u32)
-                .map_or(*sweeps[number], |part| sweeps[number].turned(part.place.rotation)),
+                .map_or(*sweeps[number], |part| sweeps[number].turned(part.pose.rotation)),
             scale: bodies.scale[i],
             offset: offsets[number],
             radius: radii[number],

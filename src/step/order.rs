@@ -52,7 +52,7 @@ pub enum Part {
 /// Position of a collision substep in its step. Without [`Response::Contacts`] there is one, which is both the first
 /// and the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Place {
+pub struct SubstepPosition {
     /// Whether it is the first of the step.
     pub is_first: bool,
     /// Whether it is the last of the step.
@@ -116,16 +116,16 @@ const ORDER: [(Part, When, With); 19] = [
 ];
 
 /// The parts of one collision substep, in order.
-pub fn parts(response: Response, place: Place) -> impl Iterator<Item = Part> {
+pub fn parts(response: Response, position: SubstepPosition) -> impl Iterator<Item = Part> {
     ORDER
         .iter()
-        .filter(move |(_, when, with)| when.holds(place) && with.holds(response))
+        .filter(move |(_, when, with)| when.holds(position) && with.holds(response))
         .map(|&(part, ..)| part)
 }
 
 /// The parts of one stage in a collision substep, in order.
-pub fn parts_of(stage: Stage, response: Response, place: Place) -> impl Iterator<Item = Part> {
-    parts(response, place).filter(move |part| part.stage() == stage)
+pub fn parts_of(stage: Stage, response: Response, position: SubstepPosition) -> impl Iterator<Item = Part> {
+    parts(response, position).filter(move |part| part.stage() == stage)
 }
 
 impl Part {
@@ -146,7 +146,7 @@ impl Part {
     }
 }
 
-impl Place {
+impl SubstepPosition {
     /// The position of collision substep `number` of `count`.
     pub fn of(number: u32, count: u32) -> Self {
         Self {
@@ -157,11 +157,11 @@ impl Place {
 }
 
 impl When {
-    fn holds(self, place: Place) -> bool {
+    fn holds(self, position: SubstepPosition) -> bool {
         match self {
-            Self::First => place.is_first,
+            Self::First => position.is_first,
             Self::All => true,
-            Self::Last => place.is_last,
+            Self::Last => position.is_last,
         }
     }
 }
@@ -183,9 +183,14 @@ mod tests {
     #[test]
     fn parts_run_in_the_order_of_stages() {
         for response in [Response::None, Response::Impulse, Response::Contacts] {
-            for place in [Place::of(0, 1), Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)] {
-                let stages: Vec<_> = parts(response, place).map(|part| part.stage() as usize).collect();
-                assert!(stages.is_sorted(), "{response:?} {place:?}");
+            for position in [
+                SubstepPosition::of(0, 1),
+                SubstepPosition::of(0, 3),
+                SubstepPosition::of(1, 3),
+                SubstepPosition::of(2, 3),
+            ] {
+                let stages: Vec<_> = parts(response, position).map(|part| part.stage() as usize).collect();
+                assert!(stages.is_sorted(), "{response:?} {position:?}");
             }
         }
     }
@@ -193,7 +198,7 @@ mod tests {
     #[test]
     fn every_step_begins_and_ends_once() {
         for response in [Response::None, Response::Impulse, Response::Contacts] {
-            let all = (0..3).flat_map(|number| parts(response, Place::of(number, 3)));
+            let all = (0..3).flat_map(|number| parts(response, SubstepPosition::of(number, 3)));
             let all: Vec<_> = all.collect();
             for part in [Part::Begin, Part::TestTriangles, Part::Remember] {
                 assert_eq!(

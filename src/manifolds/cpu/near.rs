@@ -2,9 +2,9 @@
 
 use super::boxed::BoxedPairs;
 use super::eight::{GapPair, Narrowing, SmallPair, eight_of, set_gaps};
+use super::feature_bits::{CORNER_BITS, EDGE_BITS, owned_features};
 use super::near_clusters::NearClusters;
 use super::near_lanes::NearLanes;
-use super::parts::{CORNER_BITS, EDGE_BITS, owned_features};
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
 use super::search::{Limits, Search};
 use super::side::{Side, Triangle};
@@ -221,7 +221,7 @@ fn add_near<S: Simd>(
             let [i, j] = eight[lane];
             SmallPair {
                 triangles: [i, j],
-                parts: near.crossing_part(lane),
+                feature_bits: near.crossing_bit(lane),
                 gap: 0.0,
             }
         });
@@ -230,7 +230,7 @@ fn add_near<S: Simd>(
             let [i, j] = eight[lane].map(|at| at as usize);
             let owned = owned_features([firsts[i].owned, seconds[j].owned]);
             let earlier = found & ((1 << lane) - 1);
-            pairs[before + earlier.count_ones() as usize].parts |= near.feature_parts(lane) & owned;
+            pairs[before + earlier.count_ones() as usize].feature_bits |= near.feature_bits(lane) & owned;
         }
     }
 }
@@ -242,7 +242,7 @@ pub(super) mod tests {
     use super::super::feature::{Feature, TrianglePair};
     use super::super::pair::{Pair, ROUNDING};
     use super::super::pair_of_bodies;
-    use super::super::search::{Place, Slack, Window};
+    use super::super::search::{SearchRegion, Slack, Window};
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
@@ -291,12 +291,18 @@ pub(super) mod tests {
         clusters.run(sides, &pair.pose, &search);
         near.run(sides, pair.pose.size, &search, &clusters, 0..usize::MAX);
         let (mut found, mut kept) = (Vec::new(), Vec::new());
-        candidates.select(&mut near, sides, &search, &mut Crossings::default(), |pair, parts| {
-            pair.features(&search.range, parts, |feature| found.push(feature.middle()));
-        });
+        candidates.select(
+            &mut near,
+            sides,
+            &search,
+            &mut Crossings::default(),
+            |pair, feature_bits| {
+                pair.features(&search.range, feature_bits, |feature| found.push(feature.middle()));
+            },
+        );
         let (mut placed, mut crossings) = Default::default();
-        candidates.for_each(sides, &mut placed, 0, reach, &mut crossings, |pair, parts| {
-            pair.features(&search.range, parts, |feature| kept.push(feature.middle()));
+        candidates.for_each(sides, &mut placed, 0, reach, &mut crossings, |pair, feature_bits| {
+            pair.features(&search.range, feature_bits, |feature| kept.push(feature.middle()));
         });
         [sorted(found), sorted(kept)]
     }
@@ -411,15 +417,15 @@ pub(super) mod tests {
             &pair.sides,
             search,
             &mut Crossings::default(),
-            |pair, parts| {
-                pair.features(&search.range, parts, |feature| found.push(feature));
+            |pair, feature_bits| {
+                pair.features(&search.range, feature_bits, |feature| found.push(feature));
             },
         );
         found
     }
 
     #[test]
-    fn a_window_loses_no_feature_near_its_places_with_their_normals() {
+    fn a_window_loses_no_feature_near_its_regions_with_their_normals() {
         const REACH: f64 = 0.3;
         const AGREEMENT: f64 = 0.7;
         let mut random = fastrand::Rng::with_seed(5);
@@ -436,26 +442,26 @@ pub(super) mod tests {
             if all.is_empty() {
                 return;
             }
-            let places: Vec<Place> = (0..random.usize(1..7))
+            let regions: Vec<SearchRegion> = (0..random.usize(1..7))
                 .map(|_| {
                     let one = &all[random.usize(..all.len())];
                     let aside = any_vector(&mut || random.f32());
-                    Place {
+                    SearchRegion {
                         center: one.middle().as_vec3() + 0.1 * aside,
                         radius: 0.15 + 0.3 * random.f32(),
                         normal: (one.normal.as_vec3() + 0.5 * aside).normalize(),
                     }
                 })
                 .collect();
-            let window = Window::new(places.iter().copied(), AGREEMENT);
+            let window = Window::new(regions.iter().copied(), AGREEMENT);
             let one_sided = pair.sides.iter().all(|side| side.features.one_sided.all());
             search.window = Some(if one_sided { window } else { window.without_normals() });
             let found: Vec<String> = searched(pair, &search).iter().map(|f| format!("{f:?}")).collect();
             let is_wanted = |feature: &&Feature| {
-                places.iter().any(|place| {
-                    let radius = f64::from(place.radius) - 0.5 * REACH;
-                    feature.middle().distance(place.center.as_dvec3()) < radius
-                        && feature.normal.dot(place.normal.as_dvec3()) > AGREEMENT
+                regions.iter().any(|region| {
+                    let radius = f64::from(region.radius) - 0.5 * REACH;
+                    feature.middle().distance(region.center.as_dvec3()) < radius
+                        && feature.normal.dot(region.normal.as_dvec3()) > AGREEMENT
                 })
             };
             for feature in all.iter().filter(is_wanted) {

@@ -5,12 +5,12 @@
 use super::candidates::Candidates;
 use super::crossing::{Crossings, Segment};
 use super::feature::{Feature, TrianglePair};
+use super::feature_bits::FeatureBits;
 use super::kept::{KeptCandidates, Source};
 use super::near::NearTriangles;
 use super::near_clusters::NearClusters;
 use super::near_features::{BESIDE, NearFeatures};
 use super::pair::{Pair, ROUNDING};
-use super::parts::Parts;
 use super::search::Wanted;
 use super::side::Triangle;
 use crate::parallel::loops;
@@ -242,8 +242,8 @@ impl Share {
         segments.clear();
         crossings.clear();
         let sides = &pair.sides;
-        let found = |pair: &TrianglePair, parts: Parts| {
-            pair.features(&wanted.range, parts, |feature| {
+        let found = |pair: &TrianglePair, feature_bits: FeatureBits| {
+            pair.features(&wanted.range, feature_bits, |feature| {
                 if admit(&feature) {
                     features.push(feature);
                 }

@@ -16,7 +16,7 @@ pub struct SmallTriangle {
     corners: [[f32; 4]; 3],
     measures: [f32; 4],
     pub number: u32,
-    /// What it owns, as bits: see [`owned_features`](super::parts::owned_features).
+    /// What it owns, as bits: see [`owned_features`](super::feature_bits::owned_features).
     pub owned: u32,
 }
 

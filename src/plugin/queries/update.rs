@@ -166,11 +166,7 @@ impl Colliders<'_, '_> {
             _ if collider.body_disabled => return,
             _ => (entity, self.body_to_world(entity, pose_of)),
         };
-        let Placed {
-            place: pose,
-            scale,
-            shear,
-        } = place(&placed);
+        let Placed { pose, scale, shear } = place(&placed);
         let mesh = match shear {
             None => self.meshes.get(&collider.mesh.0),
             Some(_) => self.step.as_ref().and_then(|step| step.sheared_mesh(entity)),

@@ -490,19 +490,19 @@ impl Reader<'_, '_> {
         id: Keyed,
         mesh: AssetId<CollisionMesh>,
         surface: &Surface,
-        &Placed { place, scale, shear }: &Placed,
+        &Placed { pose, scale, shear }: &Placed,
     ) {
         let Some(mesh) = self.mesh(id.entity, mesh, surface, shear.as_ref()) else {
             return;
         };
         let assembly = &self.step.assemblies[number as usize];
-        let mut part = assembly.values.collider(mesh, &place, scale);
+        let mut part = assembly.values.collider(mesh, &pose, scale);
         surface.apply(&mut part, surface.culling.unwrap_or(self.rules.culling));
         self.step.parts.push(AssemblyPart {
             assembly: number,
             collider: id.entity,
             number: None,
-            place,
+            pose,
             density: part.density,
         });
         let is_joined = part.kind != RigidBody::Static;
@@ -516,7 +516,7 @@ impl Reader<'_, '_> {
     /// Adds a static collider below other entities.
     fn fixed(&mut self, child: &mut Child) {
         let (entity, surface) = (child.collider, child.surface);
-        let Placed { place, scale, shear } = child.place(&DMat3::IDENTITY);
+        let Placed { pose, scale, shear } = child.place(&DMat3::IDENTITY);
         let Some(mesh) = self.mesh(entity, child.mesh, &surface, shear.as_ref()) else {
             return;
         };
@@ -524,7 +524,7 @@ impl Reader<'_, '_> {
             kind: RigidBody::Static,
             ..Body::at_rest(mesh, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)
         };
-        let mut fixed = origin.collider(mesh, &place, scale);
+        let mut fixed = origin.collider(mesh, &pose, scale);
         surface.apply(&mut fixed, surface.culling.unwrap_or(self.rules.culling));
         let id = Keyed::new(entity, child.key);
         self.step.candidates.push(Candidate::single(id, fixed));

@@ -48,7 +48,7 @@ struct Track {
 
 /// Components of a body whose insertion matters.
 #[derive(Clone, Copy)]
-pub(crate) enum Part {
+pub(crate) enum StateComponent {
     Pose,
     Linear,
     Angular,
@@ -125,12 +125,12 @@ impl Shadow {
     }
 
     /// Records that a component was inserted.
-    pub fn insert(&mut self, part: Part) {
-        match part {
-            Part::Pose => self.inserted.pose = true,
-            Part::Linear => self.inserted.linear = true,
-            Part::Angular => self.inserted.angular = true,
-            Part::Sleeping => self.inserted.sleeping = true,
+    pub fn insert(&mut self, component: StateComponent) {
+        match component {
+            StateComponent::Pose => self.inserted.pose = true,
+            StateComponent::Linear => self.inserted.linear = true,
+            StateComponent::Angular => self.inserted.angular = true,
+            StateComponent::Sleeping => self.inserted.sleeping = true,
         }
     }
 

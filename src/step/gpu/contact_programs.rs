@@ -16,7 +16,7 @@ use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::timer::Timer;
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, ContactScratch};
 use crate::solver::gpu::SolverBuffers;
-use crate::step::order::Place;
+use crate::step::order::SubstepPosition;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 
@@ -96,8 +96,12 @@ impl ContactPrograms {
         let simple = recorder(Response::None, buffers, &capacity);
         let contacts = recorder(Response::Contacts, buffers, &capacity);
         let bind = |calls: Calls| made.bind(gpu, buffers, &calls);
-        let [first, middle, last] = [Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)];
-        let report = bind(simple.calls(&Stage::ALL, Place::of(0, 1)));
+        let [first, middle, last] = [
+            SubstepPosition::of(0, 3),
+            SubstepPosition::of(1, 3),
+            SubstepPosition::of(2, 3),
+        ];
+        let report = bind(simple.calls(&Stage::ALL, SubstepPosition::of(0, 1)));
         if capacity.solves {
             let after_reach = Recorder {
                 is_begun: true,
@@ -114,7 +118,7 @@ impl ContactPrograms {
             // The program is the same in every collision substep.
             let solve = [false, true].map(|may_sleep| {
                 let recorder = Recorder { may_sleep, ..contacts };
-                bind(recorder.calls(&[Stage::ForceScan], Place::of(0, 1)))
+                bind(recorder.calls(&[Stage::ForceScan], SubstepPosition::of(0, 1)))
             });
             made.solve = solve;
             [
@@ -258,11 +262,11 @@ impl ContactPrograms {
         &self,
         commands: &mut Commands,
         input: &SolverInput,
-        place: Place,
+        position: SubstepPosition,
         number: u32,
         timer: Option<&Timer>,
     ) {
-        let program = if place.is_last { &self.last } else { &self.between };
+        let program = if position.is_last { &self.last } else { &self.between };
         let around = timer.map(|timer| timer.around(Stage::Integrate, number));
         program.record(Stage::Integrate, commands, input.population(), around);
     }

@@ -16,7 +16,7 @@ use crate::gpu::commands::Commands;
 use crate::gpu::readback::{read_rows, scoped, staging};
 use crate::solver::gpu::layout::MotionState;
 use crate::state::StepInput;
-use crate::step::order::Place;
+use crate::step::order::SubstepPosition;
 use crate::types::gpu_work::GpuWork;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -213,8 +213,8 @@ impl GpuStep {
                             *waits += 1;
                             substeps = fast.stop(solver, ccd, &mut commands, buffers, contacts, &mut impacts)?;
                         }
-                        let place = Place::of(number, substeps);
-                        contacts.record_motion(&mut commands, solver, place, number, timer);
+                        let position = SubstepPosition::of(number, substeps);
+                        contacts.record_motion(&mut commands, solver, position, number, timer);
                         number += 1;
                     }
                 }

@@ -15,7 +15,7 @@ use crate::gpu::layout::{
 use crate::gpu::program::Population;
 use crate::state::bodies::MAX_ACCELERATION;
 use crate::state::margins::SAFETY;
-use crate::state::{Bodies, Compound, Motion, Part, Plane, StepInput};
+use crate::state::{Bodies, Compound, CompoundPart, Motion, Plane, StepInput};
 use crate::types::body::RigidBody;
 use crate::types::settings::{Culling, Response};
 use bytemuck::cast_slice;
@@ -116,7 +116,7 @@ pub struct Input {
     step: layout::Step,
     bodies: Vec<layout::Body>,
     compounds: Vec<layout::Compound>,
-    parts: Vec<layout::Part>,
+    parts: Vec<layout::CompoundPart>,
     planes: Vec<layout::Plane>,
     meshes: Vec<Option<CollisionMesh>>,
     /// Whether intersecting faces are listed.
@@ -360,7 +360,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
     let part = bodies.part(i as u32);
     let inertia = part.map_or(bodies.local_inverse_inertia[i], |part| {
         // In the axes of the collider.
-        let axes = DMat3::from_quat(part.place.rotation).as_mat3();
+        let axes = DMat3::from_quat(part.pose.rotation).as_mat3();
         axes.transpose() * bodies.compounds[part.compound as usize].local_inverse_inertia * axes
     });
     let scale = bodies.scale[i];
@@ -405,7 +405,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
 }
 
 /// Compound `number`. `parts` are ascending by compound.
-fn compound(number: u32, own: &Compound, parts: &[&Part], carried: Option<Carried>) -> layout::Compound {
+fn compound(number: u32, own: &Compound, parts: &[&CompoundPart], carried: Option<Carried>) -> layout::Compound {
     let sent = carried.map_or(own.motion, |carried| carried.sent(own.motion));
     let first = parts.partition_point(|part| part.compound < number);
     let end = parts.partition_point(|part| part.compound <= number);
@@ -425,12 +425,12 @@ fn compound(number: u32, own: &Compound, parts: &[&Part], carried: Option<Carrie
     }
 }
 
-fn part(bodies: &Bodies, part: &Part) -> layout::Part {
+fn part(bodies: &Bodies, part: &CompoundPart) -> layout::CompoundPart {
     let compound = &bodies.compounds[part.compound as usize];
-    layout::Part {
-        translation: (part.place.translation - compound.local_center).as_vec3().to_array(),
+    layout::CompoundPart {
+        translation: (part.pose.translation - compound.local_center).as_vec3().to_array(),
         collider: part.collider,
-        rotation: part.place.rotation.as_quat().to_array(),
+        rotation: part.pose.rotation.as_quat().to_array(),
         offset: part.offset.as_vec3().to_array(),
         ..Default::default()
     }
