@@ -1,6 +1,6 @@
 //! Contact generation of one pair: its features, contours and reduced manifold.
 
-use super::arrival::{Arrival, Motion};
+use super::arrival::{Arrival, PairMotion};
 use super::contour::{Contours, Patch};
 use super::crossing::Segment;
 use super::deepest::farthest;
@@ -10,7 +10,7 @@ use super::kept::{Kept, Source};
 use super::near_clusters::PairPose;
 use super::ray::exits;
 use super::reduce::Reduction;
-use super::search::Wanted;
+use super::search::FeatureQuery;
 use super::shares::Shares;
 use super::side::{Side, sides};
 use super::smooth;
@@ -83,7 +83,7 @@ impl Worker {
         &mut self,
         pair: &Pair,
         margin: f32,
-        motion: &Motion,
+        motion: &PairMotion,
         kept: &mut Kept,
         threads: usize,
     ) -> (&[Feature], bool) {
@@ -104,14 +104,14 @@ impl Worker {
         } = self;
         let Pair { sides, size, .. } = pair;
         let touch = TOUCH * size;
-        let wanted = Wanted {
+        let query = FeatureQuery {
             margin,
             range: -touch..=margin,
             reach: margin + touch,
             window: None,
             nearest: true,
         };
-        let source = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
+        let source = shares.find(pair, &query, &mut kept.near, threads, |_| true);
         let fraction = match source {
             Source::Kept { fraction, .. } => fraction,
             Source::Search(_) => {
@@ -173,14 +173,14 @@ impl Worker {
             let window = contours.window(0.5 * most);
             // The normals of two-sided triangles may turn round.
             let one_sided = sides.iter().all(|side| side.features.one_sided.all());
-            let wanted = Wanted {
+            let query = FeatureQuery {
                 margin: most,
                 range: -most..=-TOUCH * size,
                 reach: most,
                 window: Some(if one_sided { window } else { window.without_normals() }),
                 nearest: false,
             };
-            shares.find(pair, &wanted, &mut kept.deep, threads, |feature| {
+            shares.find(pair, &query, &mut kept.deep, threads, |feature| {
                 contours.admits(feature, true)
             });
             shares.features(deep);

@@ -28,7 +28,7 @@ impl std::ops::Mul<f64> for Slack {
 }
 
 /// Which features of a pair are wanted now.
-pub struct Wanted {
+pub struct FeatureQuery {
     /// Largest separation or overlap of features, metres.
     pub margin: f64,
     /// Separations of features, metres.

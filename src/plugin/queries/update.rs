@@ -47,14 +47,14 @@ pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Collid
 
 /// [`update_spatial_queries`] after a step, if any system queries.
 pub(crate) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Colliders) {
-    if index.is_wanted {
+    if index.is_active {
         update_spatial_queries(index, colliders);
     }
 }
 
 /// [`update_spatial_queries`], if the results of a step were published since.
 pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Option<Res<StepReport>>, colliders: Colliders) {
-    if index.is_wanted && report.is_some_and(|report| index.step != report.step) {
+    if index.is_active && report.is_some_and(|report| index.step != report.step) {
         update_spatial_queries(index, colliders);
     }
 }
