@@ -221,7 +221,7 @@ fn add_points(
     let Some(pair) = pair_of_bodies(bodies, meshes, *numbers) else {
         return true;
     };
-    let is_done = |reuse: &Reuse| kept.found.move_to(&pair, bodies, *numbers, reuse, points);
+    let is_done = |reuse: &Reuse| kept.points.move_to(&pair, bodies, *numbers, reuse, points);
     if reuse.as_ref().is_some_and(is_done) {
         return true;
     }
@@ -234,7 +234,7 @@ fn add_points(
     let [a, b] = numbers.map(|i| bodies.angular_velocity[i as usize].as_dvec3());
     pair.add_points(chosen, b - a, |point| points.push(point.shifted(offsets)));
     if let Some(reuse) = reuse {
-        kept.found
+        kept.points
             .set(&pair, bodies, *numbers, *margin, reuse.step, &points[first..]);
     }
     !dropped

@@ -1,7 +1,7 @@
 //! What a pair keeps from one call to the next: its candidates, and the pose in which they were found.
 
 use super::candidates::{Candidates, FRACTIONS};
-use super::moved::Found;
+use super::moved::CachedPoints;
 use super::pair::Pair;
 use super::search::{FeatureQuery, Search, Slack, Window};
 use crate::geometry::features::MeshFeatures;
@@ -37,7 +37,7 @@ pub struct Kept {
     /// Neither body contained the other in the pose in which `near` was found, and surfaces did not cross.
     pub was_apart: bool,
     /// The contact points, for the later collision substeps of the same step.
-    pub found: Found,
+    pub points: CachedPoints,
 }
 
 /// Candidates with the motion in which they are valid.
@@ -56,7 +56,7 @@ pub struct KeptCandidates {
     /// Number of times that the candidates were used.
     uses: u32,
     /// The searches since memory was last returned.
-    recent: Recent,
+    recent_searches: RecentSearches,
     /// Whether the last search was worth more than one thread.
     pub is_large: bool,
 }
@@ -71,7 +71,7 @@ pub enum Source {
 
 /// Searches of a pair.
 #[derive(Clone, Copy, Debug, Default)]
-struct Recent {
+struct RecentSearches {
     searches: u32,
     /// Most candidates of one of them.
     most: usize,
@@ -96,7 +96,7 @@ impl Kept {
                 share.clear();
                 share.shrink(0);
             }
-            kept.recent = Recent::default();
+            kept.recent_searches = RecentSearches::default();
         }
     }
 
@@ -125,7 +125,7 @@ impl Kept {
     }
 
     fn begin(&mut self, slack_limit: Option<f64>) {
-        self.found.clear();
+        self.points.clear();
         for kept in [&mut self.near, &mut self.deep] {
             (kept.found_at, kept.slack_limit, kept.is_large) = (None, slack_limit, false);
         }
@@ -276,12 +276,12 @@ impl KeptCandidates {
             };
         } else {
             // Some lists are long in every other search only.
-            self.recent.most = self.recent.most.max(self.len());
-            self.recent.searches += 1;
-            if self.recent.searches == SEARCHES {
-                let most = self.recent.most;
+            self.recent_searches.most = self.recent_searches.most.max(self.len());
+            self.recent_searches.searches += 1;
+            if self.recent_searches.searches == SEARCHES {
+                let most = self.recent_searches.most;
                 self.shares.iter_mut().for_each(|share| share.shrink(most));
-                self.recent = Recent::default();
+                self.recent_searches = RecentSearches::default();
             }
         }
     }

@@ -24,7 +24,7 @@ pub struct Reuse {
 
 /// The contact points of a pair, and when and where they were found.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
+pub struct CachedPoints {
     points: Vec<ManifoldPoint>,
     /// The deepest overlap, metres.
     depth: f32,
@@ -56,7 +56,7 @@ impl Poses {
     }
 }
 
-impl Found {
+impl CachedPoints {
     /// Forgets the points and keeps their memory.
     pub fn clear(&mut self) {
         self.at = None;

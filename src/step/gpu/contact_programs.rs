@@ -5,13 +5,13 @@
 //! nothing overflowed in any of its collision substeps. So a step can be repeated.
 
 use super::buffers::{StepBuffers, StepCapacity};
+use super::readback_lengths::ReadbackLengths;
 use super::record::Recorder;
-use super::room::Room;
 use super::solver_input::SolverInput;
+use crate::gpu::buffer_contents::BufferContents;
 use crate::gpu::buffers::{Buffers, TooLarge};
 use crate::gpu::commands::Commands;
 use crate::gpu::device::Gpu;
-use crate::gpu::known::Known;
 use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::timer::Timer;
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, ContactScratch};
@@ -160,14 +160,21 @@ impl ContactPrograms {
     }
 
     /// Writes the lengths of the lists, and the numbers of bodies and planes.
-    pub fn write_limits(&self, commands: &mut Commands, known: &mut Known, bodies: u32, planes: u32, room: &Room) {
+    pub fn write_limits(
+        &self,
+        commands: &mut Commands,
+        contents: &mut BufferContents,
+        bodies: u32,
+        planes: u32,
+        lengths: &ReadbackLengths,
+    ) {
         let capacity = ContactCapacity {
-            pairs: room.contact_pairs,
-            points: room.contact_points,
+            pairs: lengths.contact_pairs,
+            points: lengths.contact_points,
             ..self.contacts.capacity
         };
         let limits = capacity.limits(bodies, planes);
-        commands.write_changes(known, &self.contacts.limits, bytemuck::bytes_of(&limits));
+        commands.write_changes(contents, &self.contacts.limits, bytemuck::bytes_of(&limits));
     }
 
     /// Records a step without response, which reports contact points.

@@ -1,8 +1,8 @@
 //! A step in flight: submitted, with results that have not been read.
 
 use super::fast_bodies::Impacts;
+use super::readback_lengths::ReadbackLengths;
 use super::results::{Detail, Parts, Raw};
-use super::room::Room;
 use super::upload::Input;
 use crate::gpu::device::Gpu;
 use crate::gpu::readback::{DeviceError, poll, request, view};
@@ -24,7 +24,7 @@ pub(super) struct Flight {
     /// Receives the results.
     pub staging: Buffer,
     /// How much of each list is read.
-    pub room: Room,
+    pub lengths: ReadbackLengths,
     parts: Parts,
     submission: SubmissionIndex,
     /// A receiver is not `Sync`, but steps are shared with systems. Only [`Flight::wait`] locks it.
@@ -36,7 +36,7 @@ impl Flight {
     pub fn new(
         input: Input,
         detail: Detail,
-        room: Room,
+        lengths: ReadbackLengths,
         parts: Parts,
         staging: Buffer,
         submission: SubmissionIndex,
@@ -50,7 +50,7 @@ impl Flight {
             work,
             impacts,
             staging,
-            room,
+            lengths,
             parts,
             submission,
             mapped: Mutex::new(mapped),

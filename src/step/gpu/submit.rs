@@ -4,10 +4,10 @@ use super::buffers::StepCapacity;
 use super::contact_programs::ContactPrograms;
 use super::fast_bodies::{FastBodies, Impacts};
 use super::flight::Flight;
+use super::readback_lengths::ReadbackLengths;
 use super::remap::BodyRemap;
 use super::rest::Rest;
 use super::results::{Detail, Parts};
-use super::room::Room;
 use super::solver_input::{HostSpeeds, SolverInput};
 use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
@@ -88,7 +88,7 @@ impl GpuStep {
             // The buffers for contact points are dropped with [`Response::Impulse`], and created again when needed.
             self.finish_all()?;
             self.contacts = None;
-            self.known.clear();
+            self.buffer_contents.clear();
         }
         let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             bodies: input.old_bodies(),
@@ -156,21 +156,21 @@ impl GpuStep {
             buffers,
             program,
             timer,
-            known,
+            buffer_contents,
             last_bodies,
             ccd,
             flights,
             spare,
             waits,
             rest,
-            room,
+            recent_lengths,
             ..
         } = self;
         let wanted = input.response != Response::Impulse;
         let contacts = contacts.as_ref().filter(|_| wanted);
-        let all = Room::in_buffers(&buffers.capacity, contacts.map(ContactPrograms::capacity));
-        let room = match detail {
-            Detail::All => room.for_next().min(all),
+        let all = ReadbackLengths::in_buffers(&buffers.capacity, contacts.map(ContactPrograms::capacity));
+        let lengths = match detail {
+            Detail::All => recent_lengths.for_next().min(all),
             // Nothing is read.
             Detail::Counts => all,
         };
@@ -178,7 +178,7 @@ impl GpuStep {
             let mut impacts = Impacts::default();
             let mut substeps = input.recorded_substeps();
             let mut commands = Commands::new(gpu, "faceoff step");
-            input.write(&mut commands, known, buffers, contacts, &room);
+            input.write(&mut commands, buffer_contents, buffers, contacts, &lengths);
             let goes_on = |rest: &Rest| rest.goes_on(&input, detail, &commands, &earlier);
             if flights.is_empty() && rest.as_ref().is_some_and(goes_on) {
                 return Ok(None);
@@ -229,7 +229,7 @@ impl GpuStep {
             if let Some(timer) = timer {
                 timer.resolve(&mut commands.encoder, substeps);
             }
-            let parts = Parts::new(&room, contacts.is_some(), &input, substeps, detail);
+            let parts = Parts::new(&lengths, contacts.is_some(), &input, substeps, detail);
             let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
             let staging = match fitting {
                 Some(at) => spare.swap_remove(at),
@@ -243,7 +243,7 @@ impl GpuStep {
             let (submission, work) = commands.submit();
             let work = work.after(&earlier);
             Ok(Some(Flight::new(
-                input, detail, room, parts, staging, submission, work, impacts,
+                input, detail, lengths, parts, staging, submission, work, impacts,
             )))
         });
         let Some(flight) = flight.and_then(|flight| flight).map_err(StepError::Device)? else {

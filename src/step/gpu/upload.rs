@@ -1,13 +1,13 @@
 //! The input of a step, packed for the device.
 
 use super::contact_programs::ContactPrograms;
-use super::room::Room;
+use super::readback_lengths::ReadbackLengths;
 use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
 use crate::gpu::arena::has_large_meshes;
+use crate::gpu::buffer_contents::BufferContents;
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::commands::Commands;
-use crate::gpu::known::Known;
 use crate::gpu::layout::{
     self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, CARRIED_SLEEP, CONTINUES,
     COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, FAST, KIND_MASK, KINEMATIC, NEEDED_SUBSTEPS, PART, SENSOR, STATIC,
@@ -300,14 +300,14 @@ impl Input {
         commands.write(&buffers.counters, cast_slice(&counters));
     }
 
-    /// Writes what has changed in all other buffers. Lists have this much `room`.
+    /// Writes what has changed in all other buffers. Lists have these `lengths`.
     pub(super) fn write(
         &self,
         commands: &mut Commands,
-        known: &mut Known,
+        contents: &mut BufferContents,
         buffers: &Buffers,
         contacts: Option<&ContactPrograms>,
-        room: &Room,
+        lengths: &ReadbackLengths,
     ) {
         let held = Capacity {
             bodies: self.step.bodies,
@@ -316,29 +316,29 @@ impl Input {
         let step = layout::Step {
             // By the number of bodies, not by the capacity: the order of pairs, and so of sums, depends on the buckets.
             bucket_mask: held.buckets() - 1,
-            pair_capacity: room.pairs,
-            hit_capacity: self.listed_hits(room.hits),
-            hit_limit: if self.face_lists { room.hits } else { u32::MAX },
-            plane_contact_capacity: room.plane_contacts,
+            pair_capacity: lengths.pairs,
+            hit_capacity: self.listed_hits(lengths.hits),
+            hit_limit: if self.face_lists { lengths.hits } else { u32::MAX },
+            plane_contact_capacity: lengths.plane_contacts,
             piece_capacity: buffers.capacity.pieces,
-            touch_capacity: room.touches,
+            touch_capacity: lengths.touches,
             ..self.step
         };
-        commands.write_changes(known, &buffers.sent_step, bytemuck::bytes_of(&step));
+        commands.write_changes(contents, &buffers.sent_step, bytemuck::bytes_of(&step));
         commands.copy(&buffers.sent_step, &buffers.step);
-        commands.write_changes(known, &buffers.parts, cast_slice(&self.parts));
-        commands.write_changes(known, &buffers.planes, cast_slice(&self.planes));
+        commands.write_changes(contents, &buffers.parts, cast_slice(&self.parts));
+        commands.write_changes(contents, &buffers.planes, cast_slice(&self.planes));
         for (sent, used, bytes) in [
             (&buffers.sent_bodies, &buffers.bodies, cast_slice(&self.bodies)),
             (&buffers.sent_compounds, &buffers.compounds, cast_slice(&self.compounds)),
         ] {
-            commands.write_changes(known, sent, bytes);
+            commands.write_changes(contents, sent, bytes);
             commands.copy_start(sent, used, bytes.len() as u64);
         }
         if let Some(contacts) = contacts {
-            contacts.write_limits(commands, known, step.bodies, step.planes, room);
+            contacts.write_limits(commands, contents, step.bodies, step.planes, lengths);
             if let Some(solver) = &self.solver {
-                solver.write(commands, known, &contacts.step, &contacts.solver);
+                solver.write(commands, contents, &contacts.step, &contacts.solver);
             }
         }
     }
