@@ -1,7 +1,6 @@
 //! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
 pub(super) mod arrival;
-mod boxed;
 mod candidates;
 pub(super) mod contour;
 mod crossing;
@@ -9,12 +8,14 @@ mod deepest;
 mod eight;
 pub(super) mod feature;
 mod feature_bits;
+mod feature_finder;
 mod feature_ids;
 mod inside;
 mod kept;
 mod kept_pairs;
 mod moved;
 mod near;
+mod near_box_pairs;
 mod near_clusters;
 pub(super) mod near_features;
 mod near_lanes;
@@ -27,7 +28,6 @@ mod ray;
 pub(super) mod reduce;
 pub(super) mod rim;
 mod search;
-mod shares;
 pub(super) mod side;
 mod small_triangle;
 pub(super) mod smooth;

@@ -1,8 +1,8 @@
 //! Pairs of triangles that are near each other, of pairs of clusters that are.
 
-use super::boxed::BoxedPairs;
 use super::eight::{GapPair, Narrowing, SmallPair, eight_of, set_gaps};
 use super::feature_bits::{CORNER_BITS, EDGE_BITS, owned_features};
+use super::near_box_pairs::NearBoxPairs;
 use super::near_clusters::NearClusters;
 use super::near_lanes::NearLanes;
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
@@ -23,7 +23,7 @@ pub struct NearTriangles {
     /// Clusters of the second body, each with a lane of a cluster of the first that may be near: eight times the index of the
     /// cluster plus the lane.
     rows: Vec<u32>,
-    boxed: BoxedPairs,
+    box_pairs: NearBoxPairs,
     pairs: Vec<SmallPair>,
     /// Triangles that may have features between nearest points.
     nearest: Vec<GapPair>,
@@ -60,7 +60,7 @@ impl NearTriangles {
         let Self {
             firsts,
             rows,
-            boxed,
+            box_pairs,
             pairs,
             nearest,
             narrowing,
@@ -69,7 +69,7 @@ impl NearTriangles {
             ..
         } = self;
         firsts.clear();
-        boxed.clear();
+        box_pairs.clear();
         pairs.clear();
         nearest.clear();
         let mut limits = Limits::new(search, size);
@@ -99,15 +99,15 @@ impl NearTriangles {
             for &row in &*rows {
                 let (other, i) = (row as usize / CLUSTER, row as usize % CLUSTER);
                 let near = a.near_boxes(simd, i, &seconds[other], &limits);
-                boxed.add(first + i as u32, (CLUSTER * other) as u32, near);
-                boxed.take_if_full(
+                box_pairs.add(first + i as u32, (CLUSTER * other) as u32, near);
+                box_pairs.take_if_full(
                     #[inline(always)]
                     |full| add_near(simd, [firsts, triangles_b], full, search, &limits, pairs, nearest),
                 );
             }
         }
         let triangles = [&firsts[..], triangles_b];
-        add_near(simd, triangles, boxed.all(), search, &limits, pairs, nearest);
+        add_near(simd, triangles, box_pairs.all(), search, &limits, pairs, nearest);
         let triangles = triangles.map(<[_]>::as_flattened);
         narrowing.run(simd, triangles, pairs, one_sided, &limits);
         // The pairs get the indices of their triangles in the lists of remaining triangles.
@@ -188,20 +188,20 @@ impl NearTriangles {
 fn add_near<S: Simd>(
     simd: S,
     triangles: [&[[SmallTriangle; CLUSTER]]; 2],
-    boxed: &[[u32; 2]],
+    box_pairs: &[[u32; 2]],
     search: &Search,
     limits: &Limits,
     pairs: &mut Vec<SmallPair>,
     nearest: &mut Vec<GapPair>,
 ) {
     let [firsts, seconds] = triangles.map(<[_]>::as_flattened);
-    let (groups, rest) = boxed.as_chunks();
+    let (groups, rest) = box_pairs.as_chunks();
     let last = (!rest.is_empty()).then(|| eight_of(rest).map(|pair| *pair));
     for (number, eight) in groups.iter().chain(&last).enumerate() {
         let a = EightTriangles::gather(simd, each_lane(|lane| &firsts[eight[lane][0] as usize]));
         let b = EightTriangles::gather(simd, each_lane(|lane| &seconds[eight[lane][1] as usize]));
         let near = NearLanes::of([&a, &b], search.crossings, limits);
-        let count = CLUSTER.min(boxed.len() - CLUSTER * number);
+        let count = CLUSTER.min(box_pairs.len() - CLUSTER * number);
         let used = (1u32 << count) - 1;
         let (nearest_lanes, nearest_set) = (set_lanes(near.nearest & used), near.nearest & used);
         let pair = each_lane(|k| {

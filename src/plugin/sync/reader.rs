@@ -124,7 +124,7 @@ impl Reader<'_, '_> {
 
     /// Adds a body if it is its only collider, or else adds it to `others`.
     fn add(&mut self, body: &mut BodyComponentsItem, others: &mut Vec<Entity>) {
-        body.note(self.rules.has_hooks, &mut self.step.oddities);
+        body.note(self.rules.has_hooks, &mut self.step.warnings);
         if self.is_single(body) {
             let posed = Posed::root(body.transform);
             self.single(body, &posed);
@@ -169,13 +169,13 @@ impl Reader<'_, '_> {
             step.last_nested = std::mem::take(&mut self.before.nested);
         }
         // The order of a query depends on archetypes. That of keys does not.
-        order::sort(&mut step.candidates, |id| step.oddities.add_same_key(id));
+        order::sort(&mut step.candidates, |id| step.warnings.add_same_key(id));
         step.fill();
         let children = &step.children;
         let moving = (hierarchy.bare.iter())
             .filter(|&(entity, &kind)| kind != RigidBody::Static && !children.are_below(entity))
             .filter(|&(entity, _)| !hierarchy.will_have_children(entity));
-        step.oddities.count_bare(moving.map(|(entity, _)| entity));
+        step.warnings.count_bare(moving.map(|(entity, _)| entity));
     }
 
     /// Forgets what has been read or kept, and finds the colliders below entities.
@@ -186,16 +186,16 @@ impl Reader<'_, '_> {
         step.assemblies.clear();
         step.parts.clear();
         step.kept_assemblies = 0;
-        step.oddities.restart();
+        step.warnings.restart();
         step.driven.take();
         step.kept.forget();
         step.kept.movers.clear();
         let known = std::mem::replace(&mut self.before.nested, step.nested.take());
         self.before.nested.0.extend(known.0);
         self.misses_mesh = false;
-        let (has_hooks, oddities) = (self.rules.has_hooks, &mut step.oddities);
+        let (has_hooks, warnings) = (self.rules.has_hooks, &mut step.warnings);
         (step.children).find(&hierarchy.children, &hierarchy.nodes, |entity, surface| {
-            surface.note(entity, has_hooks, oddities);
+            surface.note(entity, has_hooks, warnings);
         });
     }
 
@@ -286,7 +286,7 @@ impl Reader<'_, '_> {
             if !self.is_single(&body) || self.step.assembly(entity).is_some() {
                 return false;
             }
-            body.note(self.rules.has_hooks, &mut self.step.oddities);
+            body.note(self.rules.has_hooks, &mut self.step.warnings);
             let posed = Posed::root(body.transform);
             self.single(&mut body, &posed);
             let Some(Candidate { id, body, .. }) = self.step.candidates.pop() else {
@@ -319,7 +319,7 @@ impl Reader<'_, '_> {
         step.new_faults.clear();
         step.candidates.clear();
         step.parts.clear();
-        step.oddities.restart();
+        step.warnings.restart();
         step.driven.take();
         step.kept.has_news = true;
         self.moving(bodies, hierarchy, counts)
@@ -328,14 +328,14 @@ impl Reader<'_, '_> {
     /// Adds the colliders that are children of moving bodies, if there are `count` children in all.
     fn moving_children(&mut self, hierarchy: &Hierarchy, count: usize) -> bool {
         let mut children = std::mem::take(&mut self.step.children);
-        let (kept, oddities) = (&self.step.kept, &mut self.step.oddities);
+        let (kept, warnings) = (&self.step.kept, &mut self.step.warnings);
         let has_hooks = self.rules.has_hooks;
         let found = children.update(
             &kept.moving_children,
             &hierarchy.children,
             &hierarchy.nodes,
             |entity, surface| {
-                surface.note(entity, has_hooks, oddities);
+                surface.note(entity, has_hooks, warnings);
             },
         );
         let is_same = found.is_some_and(|found| count == kept.counts[1] + found);

@@ -26,16 +26,16 @@ const PER_THREAD: usize = 4;
 
 /// The result, and memory kept between pairs.
 #[derive(Default)]
-pub struct Shares {
+pub struct FeatureFinder {
     clusters: NearClusters,
-    shares: Vec<Share>,
+    shares: Vec<FinderShare>,
     /// Number of shares of the last pair.
     count: usize,
     nearest: NearFeatures,
 }
 
 #[derive(Default)]
-struct Share {
+struct FinderShare {
     /// Which of the first body's near clusters it searches.
     clusters: Range<usize>,
     near: NearTriangles,
@@ -46,7 +46,7 @@ struct Share {
     segments: Vec<Segment>,
 }
 
-impl Shares {
+impl FeatureFinder {
     /// Finds the wanted features that `admit` admits, and the segments in which triangles cross. Uses `threads` threads
     /// of the current pool; one is the calling thread. Returns where the candidates came from.
     pub fn find(
@@ -183,7 +183,7 @@ impl Shares {
 
     fn grow(&mut self) {
         if self.shares.len() < self.count {
-            self.shares.resize_with(self.count, Share::default);
+            self.shares.resize_with(self.count, FinderShare::default);
         }
     }
 }
@@ -201,7 +201,7 @@ fn least_distance<'a>(features: impl Iterator<Item = &'a Feature>) -> f64 {
     features.map(distance).fold(f64::INFINITY, f64::min)
 }
 
-impl Share {
+impl FinderShare {
     /// Finds its features and segments.
     fn run(
         &mut self,
