@@ -29,7 +29,7 @@ pub struct ImpactScratch {
     pairs_of: PairsOf,
     /// The sweep of each member, once there is an impact.
     body_sweeps: BodySweeps,
-    upcoming: BinaryHeap<Reverse<Upcoming>>,
+    upcoming: BinaryHeap<Reverse<UpcomingImpact>>,
     /// Numbers of the pairs whose time must be recomputed, and the new times.
     outdated: Vec<u32>,
     new_times: Vec<f64>,
@@ -56,31 +56,31 @@ struct PairsOf {
 
 /// The next impact of a pair. It is out of date if the time of the pair is another one by now.
 #[derive(Clone, Copy)]
-struct Upcoming {
+struct UpcomingImpact {
     time: f64,
     pair: u32,
 }
 
-impl Ord for Upcoming {
+impl Ord for UpcomingImpact {
     /// Pairs are ordered by their time, and at equal times by their number.
     fn cmp(&self, other: &Self) -> Ordering {
         self.time.total_cmp(&other.time).then(self.pair.cmp(&other.pair))
     }
 }
 
-impl PartialOrd for Upcoming {
+impl PartialOrd for UpcomingImpact {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Upcoming {
+impl PartialEq for UpcomingImpact {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Upcoming {}
+impl Eq for UpcomingImpact {}
 
 /// How often the target distance is halved for bodies that start within it. A body that was stopped before starts
 /// within it, and contacts do not remove all of a bullet's speed at once: a sheet may be thinner than the rest of the
@@ -206,8 +206,8 @@ pub fn find_impacts(
     let is_continuous = |member: u32| is_continuous(members[member as usize]);
     upcoming.clear();
     let within = (0..).zip(&*times).filter(|(_, time)| **time < 1.0);
-    upcoming.extend(within.map(|(pair, &time)| Reverse(Upcoming { time, pair })));
-    while let Some(Reverse(Upcoming { time, pair })) = upcoming.pop() {
+    upcoming.extend(within.map(|(pair, &time)| Reverse(UpcomingImpact { time, pair })));
+    while let Some(Reverse(UpcomingImpact { time, pair })) = upcoming.pop() {
         let at = pair as usize;
         if times[at].total_cmp(&time).is_ne() {
             continue;
@@ -271,7 +271,7 @@ pub fn find_impacts(
         for (&pair, &time) in outdated.iter().zip(&*new_times) {
             times[pair as usize] = time;
             if time < 1.0 {
-                upcoming.push(Reverse(Upcoming { time, pair }));
+                upcoming.push(Reverse(UpcomingImpact { time, pair }));
             }
         }
     }

@@ -61,29 +61,29 @@ pub struct SubstepPosition {
 
 /// The collision substeps in which a part runs.
 #[derive(Clone, Copy)]
-enum When {
+enum Substeps {
     First,
     All,
     Last,
 }
 
 /// The responses with which a part runs.
-struct With {
+struct Responses {
     none: bool,
     impulse: bool,
     contacts: bool,
 }
 
-const ANY: With = with(true, true, true);
-const NONE: With = with(true, false, false);
-const CONTACTS: With = with(false, false, true);
+const ANY: Responses = responses(true, true, true);
+const NONE: Responses = responses(true, false, false);
+const CONTACTS: Responses = responses(false, false, true);
 /// Responses that compute contact points.
-const POINTS: With = with(true, false, true);
+const POINTS: Responses = responses(true, false, true);
 /// Responses that move the bodies once per step.
-const SIMPLE: With = with(true, true, false);
+const SIMPLE: Responses = responses(true, true, false);
 
-const fn with(none: bool, impulse: bool, contacts: bool) -> With {
-    With {
+const fn responses(none: bool, impulse: bool, contacts: bool) -> Responses {
+    Responses {
         none,
         impulse,
         contacts,
@@ -91,35 +91,35 @@ const fn with(none: bool, impulse: bool, contacts: bool) -> With {
 }
 
 /// The whole step.
-const ORDER: [(Part, When, With); 19] = [
-    (Part::Begin, When::First, ANY),
-    (Part::FindSpherePairs, When::All, ANY),
-    (Part::FilterPairs, When::All, ANY),
-    (Part::FindNearPairs, When::All, ANY),
+const ORDER: [(Part, Substeps, Responses); 19] = [
+    (Part::Begin, Substeps::First, ANY),
+    (Part::FindSpherePairs, Substeps::All, ANY),
+    (Part::FilterPairs, Substeps::All, ANY),
+    (Part::FindNearPairs, Substeps::All, ANY),
     // The results of the triangle test describe the start of the step.
-    (Part::TestTriangles, When::First, ANY),
-    (Part::FindContactPoints, When::All, POINTS),
-    (Part::ModifyContacts, When::All, POINTS),
-    (Part::ReuseContactPoints, When::All, CONTACTS),
-    (Part::ReportContactPoints, When::First, NONE),
+    (Part::TestTriangles, Substeps::First, ANY),
+    (Part::FindContactPoints, Substeps::All, POINTS),
+    (Part::ModifyContacts, Substeps::All, POINTS),
+    (Part::ReuseContactPoints, Substeps::All, CONTACTS),
+    (Part::ReportContactPoints, Substeps::First, NONE),
     // With `Response::None` all sums are zero.
-    (Part::SumImpulses, When::All, SIMPLE),
-    (Part::ApplyImpulses, When::All, SIMPLE),
-    (Part::Wake, When::All, CONTACTS),
-    (Part::Solve, When::All, CONTACTS),
-    (Part::RecordTouches, When::All, CONTACTS),
-    (Part::FallAsleep, When::All, CONTACTS),
-    (Part::StopFastBodies, When::All, CONTACTS),
-    (Part::MoveBodies, When::All, CONTACTS),
-    (Part::ReportTouches, When::Last, CONTACTS),
-    (Part::Remember, When::Last, ANY),
+    (Part::SumImpulses, Substeps::All, SIMPLE),
+    (Part::ApplyImpulses, Substeps::All, SIMPLE),
+    (Part::Wake, Substeps::All, CONTACTS),
+    (Part::Solve, Substeps::All, CONTACTS),
+    (Part::RecordTouches, Substeps::All, CONTACTS),
+    (Part::FallAsleep, Substeps::All, CONTACTS),
+    (Part::StopFastBodies, Substeps::All, CONTACTS),
+    (Part::MoveBodies, Substeps::All, CONTACTS),
+    (Part::ReportTouches, Substeps::Last, CONTACTS),
+    (Part::Remember, Substeps::Last, ANY),
 ];
 
 /// The parts of one collision substep, in order.
 pub fn parts(response: Response, position: SubstepPosition) -> impl Iterator<Item = Part> {
     ORDER
         .iter()
-        .filter(move |(_, when, with)| when.holds(position) && with.holds(response))
+        .filter(move |(_, substeps, responses)| substeps.holds(position) && responses.holds(response))
         .map(|&(part, ..)| part)
 }
 
@@ -156,7 +156,7 @@ impl SubstepPosition {
     }
 }
 
-impl When {
+impl Substeps {
     fn holds(self, position: SubstepPosition) -> bool {
         match self {
             Self::First => position.is_first,
@@ -166,7 +166,7 @@ impl When {
     }
 }
 
-impl With {
+impl Responses {
     fn holds(&self, response: Response) -> bool {
         match response {
             Response::None => self.none,

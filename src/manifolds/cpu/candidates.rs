@@ -26,7 +26,7 @@ pub const FRACTIONS: [f64; 3] = [1.0 / 16.0, 1.0 / 4.0, 1.0];
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
     /// Triangles of the first and of the second body.
-    triangles: [Vec<Listed>; 2],
+    triangles: [Vec<CandidateTriangle>; 2],
     pairs: Vec<Candidate>,
     /// Triangles that may have features between nearest points, by their numbers, with lower bounds of their distances when
     /// they were found.
@@ -47,7 +47,7 @@ fn shrink<T>(list: &mut Vec<T>, used: usize) {
 
 /// A triangle of candidates.
 #[derive(Clone, Copy, Debug)]
-struct Listed {
+struct CandidateTriangle {
     number: u32,
     /// The smallest of [`FRACTIONS`] within which it may have anything, as an index.
     first: u8,
@@ -133,10 +133,10 @@ impl Candidates {
                 if feature_bits[0] & CROSSING != 0 {
                     crossings.push(near.triangles);
                 }
-                let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
+                let listed = |index: &mut u32, list: &mut Vec<CandidateTriangle>, triangle: &Triangle| {
                     if *index == NOT_LISTED {
                         *index = list.len() as u32;
-                        list.push(Listed {
+                        list.push(CandidateTriangle {
                             number: triangle.number,
                             first: closest as u8,
                         });

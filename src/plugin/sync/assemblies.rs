@@ -4,7 +4,7 @@ use super::Step;
 use super::collected::Rows;
 use super::components::Surface;
 #[cfg(feature = "gpu")]
-use super::latent::{Row, Seen};
+use super::latent::{ComponentState, Row};
 use super::order::{self, InOrder, Keyed};
 use crate::plugin::components::StableKey;
 #[cfg(feature = "gpu")]
@@ -259,7 +259,7 @@ impl Step {
             ..
         } = self;
         let arrays = &mut state.input.bodies;
-        let seen = |entity: Entity, body: &Body| Seen {
+        let seen = |entity: Entity, body: &Body| ComponentState {
             motion: body.motion(),
             asleep: !body.params.woken,
             driven: driven.contains(entity),

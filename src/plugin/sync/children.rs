@@ -1,7 +1,7 @@
 //! Colliders below other entities, and where they are.
 
 use super::components::{Surface, SurfaceComponents, SurfaceComponentsItem};
-use super::hierarchy::{self, Above, Node, Placed, affine};
+use super::hierarchy::{self, Ancestor, Node, Placed, affine};
 use crate::asset::CollisionMesh;
 use crate::plugin::components::{ColliderDisabled, MeshCollider, StableKey};
 use crate::types::body::RigidBody;
@@ -161,7 +161,7 @@ impl ChildColliders {
             note(child.collider, &components.surface);
             count += 1;
             match hierarchy::from_parent(components.parent.parent(), nodes) {
-                Above::Body(body, above) if child.body == Some(body) => child.update(&CurrentChild {
+                Ancestor::Body(body, above) if child.body == Some(body) => child.update(&CurrentChild {
                     components: &components,
                     body: child.body,
                     above,
@@ -190,7 +190,7 @@ impl ChildColliders {
 /// Calls `visit` with each collider below other entities that is not disabled there.
 fn for_each(query: &Query<ChildComponents, IsChild>, nodes: &Query<Node>, visit: &mut impl FnMut(&CurrentChild)) {
     // Siblings follow each other in most worlds.
-    let mut last: Option<(Entity, Above)> = None;
+    let mut last: Option<(Entity, Ancestor)> = None;
     for components in query {
         let parent = components.parent.parent();
         let above = match last {
@@ -199,9 +199,9 @@ fn for_each(query: &Query<ChildComponents, IsChild>, nodes: &Query<Node>, visit:
         };
         last = Some((parent, above));
         let (body, above) = match above {
-            Above::Body(body, above) => (Some(body), above),
-            Above::World(above) => (None, above),
-            Above::Disabled => continue,
+            Ancestor::Body(body, above) => (Some(body), above),
+            Ancestor::World(above) => (None, above),
+            Ancestor::Disabled => continue,
         };
         visit(&CurrentChild {
             components: &components,

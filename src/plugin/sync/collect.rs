@@ -4,7 +4,7 @@ use super::changes::ChangesAtRest;
 use super::components::BodyComponents;
 use super::kept::ReadRules;
 use super::planes::{self, IsPlane, KeyedPlane, PlaneComponents};
-use super::reader::{Before, Hierarchy, IsBody, Meshes, Reader};
+use super::reader::{Hierarchy, IsBody, Meshes, PreviousBodies, Reader};
 use super::{Assembly, Step, named};
 use crate::plugin::clock::Physics;
 use crate::plugin::events::BodyRejected;
@@ -68,7 +68,7 @@ pub(crate) fn collect(
     step.tables.poll();
     let counts = [bodies.iter().len(), hierarchy.children.iter().len()];
     step.kept.begin(&step.state.input.bodies);
-    let before = Before {
+    let before = PreviousBodies {
         nested: step.nested.take_some(&step.kept.movers),
         driven: step.driven.take(),
     };

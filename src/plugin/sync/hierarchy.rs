@@ -23,7 +23,7 @@ pub(crate) struct Node {
 
 /// What is above a collider.
 #[derive(Clone, Copy)]
-pub(crate) enum Above {
+pub(crate) enum Ancestor {
     /// The collider's body, and the transformation from the collider's parent to the body.
     Body(Entity, DAffine3),
     /// No body. The transformation from its parent to the world.
@@ -71,32 +71,32 @@ impl NodeItem<'_, '_> {
 }
 
 /// What is above the collider `entity`, which has no `RigidBody` itself.
-pub(crate) fn above(entity: Entity, nodes: &Query<Node>) -> Above {
+pub(crate) fn above(entity: Entity, nodes: &Query<Node>) -> Ancestor {
     let parent = nodes.get(entity).ok().and_then(|node| node.parent);
-    parent.map_or(Above::World(DAffine3::IDENTITY), |parent| {
+    parent.map_or(Ancestor::World(DAffine3::IDENTITY), |parent| {
         from_parent(parent.parent(), nodes)
     })
 }
 
 /// What is above a collider with this parent.
-pub(crate) fn from_parent(parent: Entity, nodes: &Query<Node>) -> Above {
+pub(crate) fn from_parent(parent: Entity, nodes: &Query<Node>) -> Ancestor {
     let mut product = DAffine3::IDENTITY;
     let mut next = Some(parent);
     while let Some(entity) = next {
         let Ok(node) = nodes.get(entity) else {
-            return Above::Disabled;
+            return Ancestor::Disabled;
         };
         if node.is_body {
             return if node.disabled {
-                Above::Disabled
+                Ancestor::Disabled
             } else {
-                Above::Body(entity, product)
+                Ancestor::Body(entity, product)
             };
         }
         product = node.affine() * product;
         next = node.parent.map(ChildOf::parent);
     }
-    Above::World(product)
+    Ancestor::World(product)
 }
 
 /// The transformation from the parent of `entity` to the world. The functions give the parent and the `Transform` of an

@@ -28,7 +28,7 @@ pub(crate) struct Row {
 }
 
 /// What the components of a body say.
-pub(crate) struct Seen {
+pub(crate) struct ComponentState {
     pub motion: Motion,
     pub asleep: bool,
     /// Whether the body moves by its `Transform`.
@@ -71,7 +71,7 @@ impl Latent {
         &mut self,
         colliders: impl Iterator<Item = Entity>,
         compounds: usize,
-        bodies: impl Iterator<Item = (Row, Seen)>,
+        bodies: impl Iterator<Item = (Row, ComponentState)>,
         resident: bool,
     ) {
         self.now += 1;

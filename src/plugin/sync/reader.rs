@@ -3,7 +3,7 @@
 use super::children::{Child, ChildComponents, IsChild};
 use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
-use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed};
+use super::hierarchy::{self, Ancestor, NestedBodies, Node, Placed, Posed};
 use super::kept::{Kept, ReadRules};
 use super::order::{self, Keyed};
 use super::sheared::Sheared;
@@ -54,7 +54,8 @@ pub(crate) struct Meshes<'w> {
 impl Hierarchy<'_, '_> {
     /// Whether a body has descendants that become colliders.
     fn will_have_children(&self, body: Entity) -> bool {
-        let is_above = |entity| matches!(hierarchy::above(entity, &self.nodes), Above::Body(above, _) if above == body);
+        let is_above =
+            |entity| matches!(hierarchy::above(entity, &self.nodes), Ancestor::Body(above, _) if above == body);
         self.to_come.iter().any(is_above)
     }
 
@@ -96,7 +97,7 @@ impl Hierarchy<'_, '_> {
 }
 
 /// What bodies were in the last step.
-pub(super) struct Before {
+pub(super) struct PreviousBodies {
     pub nested: NestedBodies,
     pub driven: DrivenBodies,
 }
@@ -106,7 +107,7 @@ pub(super) struct Reader<'a, 'w> {
     pub step: &'a mut Step,
     pub meshes: &'a Meshes<'w>,
     pub rules: ReadRules,
-    pub before: Before,
+    pub before: PreviousBodies,
     /// Whether the mesh of some collider is not there.
     pub misses_mesh: bool,
 }

@@ -9,7 +9,7 @@ use super::fast_bodies::FastBodies;
 use super::flight::Flight;
 use super::readback_lengths::ReadbackLengths;
 use super::rest::Rest;
-use super::results::{Output, Raw};
+use super::results::{Output, RawResults};
 use super::upload::Input;
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
@@ -69,7 +69,7 @@ impl GpuStep {
     }
 
     /// What a step asked of the device, with memory and lists.
-    fn work_of(&self, flight: &Flight, raw: &Raw) -> GpuWork {
+    fn work_of(&self, flight: &Flight, raw: &RawResults) -> GpuWork {
         let of = |length: u32, capacity: u32| GpuList { length, capacity };
         let counter = |counter: u32| raw.counters[counter as usize];
         let capacity = &self.buffers.capacity;

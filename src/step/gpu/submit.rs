@@ -7,7 +7,7 @@ use super::flight::Flight;
 use super::readback_lengths::ReadbackLengths;
 use super::remap::BodyRemap;
 use super::rest::Rest;
-use super::results::{Detail, Parts};
+use super::results::{Detail, StagingRanges};
 use super::solver_input::{HostSpeeds, SolverInput};
 use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
@@ -229,21 +229,21 @@ impl GpuStep {
             if let Some(timer) = timer {
                 timer.resolve(&mut commands.encoder, substeps);
             }
-            let parts = Parts::new(&lengths, contacts.is_some(), &input, substeps, detail);
-            let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
+            let ranges = StagingRanges::new(&lengths, contacts.is_some(), &input, substeps, detail);
+            let fitting = spare.iter().position(|buffer| buffer.size() >= ranges.total);
             let staging = match fitting {
                 Some(at) => spare.swap_remove(at),
                 None => {
                     // All spare buffers are too short now, so none is kept.
                     spare.clear();
-                    staging(gpu, parts.total)
+                    staging(gpu, ranges.total)
                 }
             };
-            parts.copy(buffers, contacts, timer.as_ref(), &mut commands, &staging);
+            ranges.copy(buffers, contacts, timer.as_ref(), &mut commands, &staging);
             let (submission, work) = commands.submit();
             let work = work.after(&earlier);
             Ok(Some(Flight::new(
-                input, detail, lengths, parts, staging, submission, work, impacts,
+                input, detail, lengths, ranges, staging, submission, work, impacts,
             )))
         });
         let Some(flight) = flight.and_then(|flight| flight).map_err(StepError::Device)? else {

@@ -14,7 +14,7 @@ use glam::Vec3;
 pub(crate) const MIN_LINE: f32 = 1.0e-30;
 
 /// Eight triangles with their planes and error bounds.
-pub struct Eight<S: Simd> {
+pub struct TriangleLanes<S: Simd> {
     pub corners: [Points<S>; 3],
     pub normal: Points<S>,
     /// Error bound of a height over the plane, times the normal's length.
@@ -43,7 +43,7 @@ impl<S: Simd> Verdicts<S> {
 
 /// Tests eight pairs of triangles, all in the same coordinates.
 #[inline(always)]
-pub fn decide<S: Simd>([a, b]: &[Eight<S>; 2]) -> Verdicts<S> {
+pub fn decide<S: Simd>([a, b]: &[TriangleLanes<S>; 2]) -> Verdicts<S> {
     let heights_a = heights(&a.corners, b.corners[0], b.normal);
     let heights_b = heights(&b.corners, a.corners[0], a.normal);
     decide_by([a, b], &heights_a, &heights_b)
@@ -58,7 +58,11 @@ pub fn beside<S: Simd>(heights: &[f32x8<S>; 3], tolerance: f32x8<S>) -> u32 {
 
 /// [`decide`] with given heights of each triangle's corners over the other's plane.
 #[inline(always)]
-pub fn decide_by<S: Simd>([a, b]: [&Eight<S>; 2], heights_a: &[f32x8<S>; 3], heights_b: &[f32x8<S>; 3]) -> Verdicts<S> {
+pub fn decide_by<S: Simd>(
+    [a, b]: [&TriangleLanes<S>; 2],
+    heights_a: &[f32x8<S>; 3],
+    heights_b: &[f32x8<S>; 3],
+) -> Verdicts<S> {
     let simd = a.error.simd;
     let sides_a = CornerSides::of(heights_a, b.tolerance);
     let sides_b = CornerSides::of(heights_b, a.tolerance);

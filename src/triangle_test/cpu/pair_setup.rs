@@ -2,7 +2,7 @@
 //! length.
 
 use super::contact::PairFrame;
-use super::cull::Other;
+use super::cull::OtherBounds;
 use super::lane_filter::LaneFilter;
 use super::placed::{ClusterTransform, PairScale, PlacedCluster};
 use crate::geometry::Aabb;
@@ -100,8 +100,8 @@ impl<'a, S: Simd> PairSetup<'a, S> {
     }
 
     /// Bounds of the second body for culling the first.
-    pub fn a_from_b(&self) -> Other {
-        Other {
+    pub fn a_from_b(&self) -> OtherBounds {
+        OtherBounds {
             rotation: self.back,
             translation: -(self.back * self.near.translation),
             aabb: scaled(self.b.lanes.aabb, self.b.scale),
@@ -114,8 +114,8 @@ impl<'a, S: Simd> PairSetup<'a, S> {
     }
 
     /// Bounds of the first body for culling the second.
-    pub fn b_from_a(&self) -> Other {
-        Other {
+    pub fn b_from_a(&self) -> OtherBounds {
+        OtherBounds {
             rotation: self.near.rotation,
             translation: self.near.translation,
             aabb: scaled(self.a.lanes.aabb, self.a.scale),
@@ -132,7 +132,7 @@ impl<'a, S: Simd> PairSetup<'a, S> {
     pub fn trees(&self) -> [Tree<'a, S>; 2] {
         let PairScale { unit, pad, .. } = self.pair_scale;
         let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > MAX_COARSE_CLUSTERS;
-        let relative = |other: Other| RelativePose {
+        let relative = |other: OtherBounds| RelativePose {
             rotation: other.rotation,
             translation: unit * other.translation,
             axis: other.axis,
