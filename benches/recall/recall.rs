@@ -14,7 +14,7 @@ const AROUND: usize = 10;
 
 /// What a mode found.
 #[derive(Clone, Copy, Default)]
-pub struct Found {
+pub struct Detections {
     /// Pairs of bodies of which it found anything.
     pub any: usize,
     /// Intersecting face pairs.
@@ -29,7 +29,7 @@ pub struct Tally {
     /// Intersecting face pairs.
     pub faces: usize,
     /// For faces of collision, front-facing, and eq. 4.
-    pub found: [Found; 3],
+    pub found: [Detections; 3],
 }
 
 impl Tally {
@@ -99,7 +99,7 @@ fn judge(tester: &mut Tester, pair: &Pair, baked: &CollisionMesh, inverse: &[u32
     Tally {
         pairs: 1,
         faces: exact.len(),
-        found: [faces.len(), front.len(), literal].map(|faces| Found {
+        found: [faces.len(), front.len(), literal].map(|faces| Detections {
             any: usize::from(faces > 0),
             faces,
         }),

@@ -8,7 +8,7 @@
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
 @group(0) @binding(2) var<storage, read> impulses: array<t::Impulse>;
 @group(0) @binding(3) var<storage, read> compounds: array<t::Compound>;
-@group(0) @binding(4) var<storage, read> parts: array<t::Part>;
+@group(0) @binding(4) var<storage, read> parts: array<t::CompoundPart>;
 @group(0) @binding(5) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(6) var<storage, read_write> moved: array<t::Moved>;
 

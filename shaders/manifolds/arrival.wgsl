@@ -8,7 +8,7 @@
 #import faceoff::arena::{meshes, words}
 #import faceoff::constants::manifolds::ARRIVAL_TOLERANCE
 #import faceoff::dispatch::group_index
-#import faceoff::pair_motion::{Motion, bodies, motion_of, step, way_at}
+#import faceoff::pair_motion::{PairMotion, bodies, motion_of, step, way_at}
 #import faceoff::sides
 #import faceoff::surface::{is_near, surface_unfinished}
 #import faceoff::tree
@@ -83,7 +83,7 @@ fn is_of_second(feature: t::Feature) -> bool {
 }
 
 // Whether the solver may act on a feature.
-fn does_count(setup: t::PairSetup, a: sides::Side, b: sides::Side, motion: Motion, feature: t::Feature) -> bool {
+fn does_count(setup: t::PairSetup, a: sides::Side, b: sides::Side, motion: PairMotion, feature: t::Feature) -> bool {
     if feature.separation <= motion.rest_offset || is_round(a, b, feature) {
         return true;
     }
@@ -116,7 +116,7 @@ fn is_round(a: sides::Side, b: sides::Side, feature: t::Feature) -> bool {
 
 // Whether a feature at a point arrives on the surface, or not at all.
 fn arrives(
-    setup: t::PairSetup, a: sides::Side, b: sides::Side, motion: Motion, feature: t::Feature, at: vec3<f32>, way: vec3<f32>
+    setup: t::PairSetup, a: sides::Side, b: sides::Side, motion: PairMotion, feature: t::Feature, at: vec3<f32>, way: vec3<f32>
 ) -> bool {
     let gap = feature.separation;
     let closing = -dot(feature.normal, way);
@@ -144,7 +144,7 @@ fn arrives(
 }
 
 // Bound of how far the path of a point leaves its straight way, in the axes of either body.
-fn deviation(a: sides::Side, b: sides::Side, motion: Motion, p: vec3<f32>) -> f32 {
+fn deviation(a: sides::Side, b: sides::Side, motion: PairMotion, p: vec3<f32>) -> f32 {
     let turn_a = length(motion.turn_a);
     let turn_b = length(motion.turn_b);
     let round_a = turn_a * length(p - a.center);

@@ -13,7 +13,7 @@
 #import faceoff::dispatch::group_index
 #import faceoff::math::{conjugate, direction, rotate}
 #import faceoff::near_ranges::{range_count, range_of}
-#import faceoff::pair_motion::{Motion, bodies, motion_of, turned}
+#import faceoff::pair_motion::{PairMotion, bodies, motion_of, turned}
 #import faceoff::sides
 #import faceoff::types as t
 
@@ -85,7 +85,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 }
 
 // Advances two triangles until they touch, unless others of this thread do before.
-fn advance(a: sides::Side, b: sides::Side, motion: Motion, at: u32, number: u32, tolerance: f32) {
+fn advance(a: sides::Side, b: sides::Side, motion: PairMotion, at: u32, number: u32, tolerance: f32) {
     let triangles = near_triangles[at].xy;
     let corners_a = corners_of(a, triangles.x);
     let corners_b = corners_of(b, triangles.y);
@@ -139,7 +139,7 @@ fn moved(corners: mat3x3<f32>, turn: vec4<f32>, center: vec3<f32>) -> mat3x3<f32
 }
 
 // Adds the point of first contact.
-fn write_point(index: u32, a: sides::Side, b: sides::Side, motion: Motion) {
+fn write_point(index: u32, a: sides::Side, b: sides::Side, motion: PairMotion) {
     let at = atomicAdd(&contact_counters[t::FEATURES], 1u);
     if at >= limits.features {
         return;

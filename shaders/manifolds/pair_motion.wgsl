@@ -12,7 +12,7 @@
 @group(0) @binding(9) var<uniform> step: t::Step;
 
 // In the axes and the unit of the pair.
-struct Motion {
+struct PairMotion {
     // Displacement of the second centre of mass relative to the first.
     travel: vec3<f32>,
     // What gravity and external forces add to it, unless something supports the bodies.
@@ -37,13 +37,13 @@ fn times_of(body: t::Body) -> vec2<f32> {
     return vec2(steps * h, 0.5 * h * h * steps * (steps + 1.0));
 }
 
-fn motion_of(setup: t::PairSetup) -> Motion {
+fn motion_of(setup: t::PairSetup) -> PairMotion {
     let a = bodies[setup.a];
     let b = bodies[setup.b];
     let times_a = times_of(a);
     let times_b = times_of(b);
     let back = conjugate(setup.rotation);
-    var motion: Motion;
+    var motion: PairMotion;
     motion.travel = rotate(back, b.linear_velocity * times_b.x - a.linear_velocity * times_a.x) * setup.unit;
     motion.fall = rotate(back, b.acceleration * times_b.y - a.acceleration * times_a.y) * setup.unit;
     motion.turn_a = rotate(back, a.angular_velocity * times_a.x);
@@ -53,7 +53,7 @@ fn motion_of(setup: t::PairSetup) -> Motion {
 }
 
 // Displacement of the second body's material at a point relative to the first body's.
-fn way_at(a: sides::Side, b: sides::Side, motion: Motion, p: vec3<f32>) -> vec3<f32> {
+fn way_at(a: sides::Side, b: sides::Side, motion: PairMotion, p: vec3<f32>) -> vec3<f32> {
     return motion.travel + cross(motion.turn_b, p - b.center) - cross(motion.turn_a, p - a.center);
 }
 
@@ -63,6 +63,6 @@ struct Turned {
     b: vec4<f32>,
 }
 
-fn turned(motion: Motion, time: f32) -> Turned {
+fn turned(motion: PairMotion, time: f32) -> Turned {
     return Turned(rotation_by(motion.turn_a * time), rotation_by(motion.turn_b * time));
 }

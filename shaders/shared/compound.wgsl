@@ -16,7 +16,7 @@ struct CompoundMotion {
 }
 
 // The collider `body` at its place in the compound.
-fn placed_part(body: t::Body, part: t::Part, motion: CompoundMotion) -> t::Body {
+fn placed_part(body: t::Body, part: t::CompoundPart, motion: CompoundMotion) -> t::Body {
     var placed = body;
     placed.position = motion.center + (motion.center_low + rotate(motion.rotation, part.translation));
     let rotation = compose(motion.rotation, part.rotation);
@@ -27,6 +27,6 @@ fn placed_part(body: t::Body, part: t::Part, motion: CompoundMotion) -> t::Body 
 }
 
 // From the compound's centre of mass to the collider's, in world axes.
-fn offset_of(part: t::Part, motion: CompoundMotion) -> vec3<f32> {
+fn offset_of(part: t::CompoundPart, motion: CompoundMotion) -> vec3<f32> {
     return rotate(motion.rotation, part.offset);
 }

@@ -127,7 +127,7 @@ struct Compound {
 }
 
 // A collider of a compound, in the compound's axes.
-struct Part {
+struct CompoundPart {
     // From the compound's centre of mass to the origin of the mesh.
     translation: vec3<f32>,
     // Number of the collider.

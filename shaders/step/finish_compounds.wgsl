@@ -11,7 +11,7 @@
 @group(0) @binding(2) var<storage, read_write> tally: array<atomic<u32>>;
 @group(0) @binding(3) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(4) var<storage, read> compounds: array<t::Compound>;
-@group(0) @binding(5) var<storage, read> parts: array<t::Part>;
+@group(0) @binding(5) var<storage, read> parts: array<t::CompoundPart>;
 @group(0) @binding(6) var<storage, read> motion_states: array<s::MotionState>;
 @group(0) @binding(7) var<storage, read_write> moved: array<t::Moved>;
 @group(0) @binding(8) var<storage, read_write> last_step_states: array<s::MotionState>;

@@ -11,7 +11,7 @@
 @group(0) @binding(0) var<uniform> step: t::Step;
 @group(0) @binding(1) var<storage, read> motion_states: array<s::MotionState>;
 @group(0) @binding(2) var<storage, read> compounds: array<t::Compound>;
-@group(0) @binding(3) var<storage, read> parts: array<t::Part>;
+@group(0) @binding(3) var<storage, read> parts: array<t::CompoundPart>;
 @group(0) @binding(4) var<storage, read_write> bodies: array<t::Body>;
 @group(0) @binding(5) var<storage, read_write> body_contacts: array<t::BodyContacts>;
 @group(0) @binding(6) var<storage, read> tally: array<u32>;

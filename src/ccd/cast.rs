@@ -4,7 +4,7 @@
 //! target distance, the caller computes in closed form when it touches. So the result has no tolerance, and meshes that
 //! pass each other as closely as you like do not touch.
 
-use super::search::{Entry, Search, Side};
+use super::search::{Entry, Search, SweptMesh};
 use super::triangle_pair::TargetDistance;
 use super::{Pose, Scratch, Sweep};
 use crate::asset::CollisionMesh;
@@ -30,7 +30,7 @@ pub(crate) struct Moving<'a> {
 /// `touch` returns the fraction of the path, 0 to 1, beyond which pairs are no longer of interest.
 pub(crate) fn cast([a, b]: &[Moving; 2], travel: DVec3, scratch: &mut Scratch, touch: &mut dyn FnMut([u32; 2]) -> f64) {
     let search = Search {
-        sides: [a.side(DVec3::ZERO), b.side(travel)],
+        meshes: [a.swept(DVec3::ZERO), b.swept(travel)],
         target: TargetDistance {
             aim: 0.0,
             reached: TICK * a.radius.min(b.radius),
@@ -42,12 +42,12 @@ pub(crate) fn cast([a, b]: &[Moving; 2], travel: DVec3, scratch: &mut Scratch, t
 }
 
 impl<'a> Moving<'a> {
-    fn side(&self, travel: DVec3) -> Side<'a> {
+    fn swept(&self, travel: DVec3) -> SweptMesh<'a> {
         let before = Pose {
             center: self.center,
             rotation: self.rotation,
         };
-        Side {
+        SweptMesh {
             mesh: self.mesh,
             sweep: Sweep {
                 travel,

@@ -1,7 +1,7 @@
 //! The impacts of bodies with continuous collision detection in a collision substep, and how the bodies move after
 //! them.
 
-use super::motions::{Ground, Motion, Motions};
+use super::body_sweeps::{BodySweep, BodySweeps, Ground};
 use super::search::Outcome;
 use super::time_of_impact::{advance, rounded_down};
 use super::{Pose, Scratch, Sweep};
@@ -27,9 +27,9 @@ pub struct ImpactScratch {
     members: Vec<u32>,
     places: Vec<[u32; 2]>,
     pairs_of: PairsOf,
-    /// The motion of each member, once there is an impact.
-    motions: Motions,
-    upcoming: BinaryHeap<Reverse<Upcoming>>,
+    /// The sweep of each member, once there is an impact.
+    body_sweeps: BodySweeps,
+    upcoming: BinaryHeap<Reverse<UpcomingImpact>>,
     /// Numbers of the pairs whose time must be recomputed, and the new times.
     outdated: Vec<u32>,
     new_times: Vec<f64>,
@@ -56,31 +56,31 @@ struct PairsOf {
 
 /// The next impact of a pair. It is out of date if the time of the pair is another one by now.
 #[derive(Clone, Copy)]
-struct Upcoming {
+struct UpcomingImpact {
     time: f64,
     pair: u32,
 }
 
-impl Ord for Upcoming {
+impl Ord for UpcomingImpact {
     /// Pairs are ordered by their time, and at equal times by their number.
     fn cmp(&self, other: &Self) -> Ordering {
         self.time.total_cmp(&other.time).then(self.pair.cmp(&other.pair))
     }
 }
 
-impl PartialOrd for Upcoming {
+impl PartialOrd for UpcomingImpact {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Upcoming {
+impl PartialEq for UpcomingImpact {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Upcoming {}
+impl Eq for UpcomingImpact {}
 
 /// How often the target distance is halved for bodies that start within it. A body that was stopped before starts
 /// within it, and contacts do not remove all of a bullet's speed at once: a sheet may be thinner than the rest of the
@@ -137,7 +137,7 @@ pub fn find_impacts(
         members,
         places,
         pairs_of,
-        motions,
+        body_sweeps,
         upcoming,
         outdated,
         new_times,
@@ -194,7 +194,7 @@ pub fn find_impacts(
         bodies_of(pair).map(|body| members.partition_point(|&member| member < body) as u32)
     }));
     pairs_of.fill(members.len(), places, |at| !ignored[at]);
-    motions.begin((0..).zip(&*members).map(|(group, &body)| Motion {
+    body_sweeps.begin((0..).zip(&*members).map(|(group, &body)| BodySweep {
         body,
         from: 0.0,
         sweep: sweeps[body as usize],
@@ -206,31 +206,31 @@ pub fn find_impacts(
     let is_continuous = |member: u32| is_continuous(members[member as usize]);
     upcoming.clear();
     let within = (0..).zip(&*times).filter(|(_, time)| **time < 1.0);
-    upcoming.extend(within.map(|(pair, &time)| Reverse(Upcoming { time, pair })));
-    while let Some(Reverse(Upcoming { time, pair })) = upcoming.pop() {
+    upcoming.extend(within.map(|(pair, &time)| Reverse(UpcomingImpact { time, pair })));
+    while let Some(Reverse(UpcomingImpact { time, pair })) = upcoming.pop() {
         let at = pair as usize;
         if times[at].total_cmp(&time).is_ne() {
             continue;
         }
         times[at] = f64::INFINITY;
         let pair = places[at];
-        let groups = pair.map(|i| motions.all[i as usize].group);
+        let groups = pair.map(|i| body_sweeps.all[i as usize].group);
         if groups[0] == groups[1] {
             continue;
         }
         let carries = groups.map(|group| !is_continuous(group));
         match carries {
-            [false, false] => motions.merge_groups(&ground, groups, time),
+            [false, false] => body_sweeps.merge_groups(&ground, groups, time),
             [true, false] | [false, true] => {
                 let side = usize::from(carries[0]);
                 let (carrier, group) = (groups[1 - side], groups[side]);
-                let normal = touches(pairs[at]).filter(|_| motions.may_slide(group));
+                let normal = touches(pairs[at]).filter(|_| body_sweeps.may_slide(group));
                 match normal {
                     Some(normal) => {
                         let normal = if side == 1 { normal } else { -normal };
-                        motions.slide(&ground, carrier, time, group, normal);
+                        body_sweeps.slide(&ground, carrier, time, group, normal);
                     }
-                    None => motions.carry_group(&ground, carrier, time, group),
+                    None => body_sweeps.carry_group(&ground, carrier, time, group),
                 }
             }
             [true, true] => {
@@ -245,41 +245,44 @@ pub fn find_impacts(
                 let (yielding, carrier) = (pair[usize::from(last)], groups[usize::from(!last)]);
                 ignored[at] = true;
                 if is_continuous(yielding) && (one != other || pair.into_iter().all(is_continuous)) {
-                    let old_group = motions.all[yielding as usize].group;
+                    let old_group = body_sweeps.all[yielding as usize].group;
                     for &at in pairs_of.of(yielding) {
                         let mut others = places[at as usize].iter().filter(|&&i| i != yielding);
-                        ignored[at as usize] |= others.any(|&i| motions.all[i as usize].group == old_group);
+                        ignored[at as usize] |= others.any(|&i| body_sweeps.all[i as usize].group == old_group);
                     }
-                    motions.carry(&ground, carrier, time, yielding);
+                    body_sweeps.carry(&ground, carrier, time, yielding);
                 }
             }
         }
         outdated.clear();
-        for place in motions.changed.drain(..) {
+        for place in body_sweeps.changed.drain(..) {
             outdated.extend(pairs_of.of(place).iter().filter(|&&at| {
-                let [a, b] = places[at as usize].map(|i| motions.all[i as usize].group);
+                let [a, b] = places[at as usize].map(|i| body_sweeps.all[i as usize].group);
                 a != b && !ignored[at as usize]
             }));
         }
         outdated.sort_unstable();
         outdated.dedup();
         let next_times = outdated.par_iter().map(|&at| {
-            let [a, b] = places[at as usize].map(|i| motions.all[i as usize].after(time));
+            let [a, b] = places[at as usize].map(|i| body_sweeps.all[i as usize].after(time));
             time + (1.0 - time) * time_of_impact(pairs[at as usize], [&a, &b])
         });
         loops::collect(next_times, 1, new_times);
         for (&pair, &time) in outdated.iter().zip(&*new_times) {
             times[pair as usize] = time;
             if time < 1.0 {
-                upcoming.push(Reverse(Upcoming { time, pair }));
+                upcoming.push(Reverse(UpcomingImpact { time, pair }));
             }
         }
     }
-    let stopped = motions.all.iter().filter(|motion| motion.first_impact < 1.0);
-    impacts.extend(stopped.map(|motion| Impact {
-        body: motion.body,
-        fraction: rounded_down(motion.first_impact),
-        end: motion.sweep.at(1.0),
+    let stopped = body_sweeps
+        .all
+        .iter()
+        .filter(|body_sweep| body_sweep.first_impact < 1.0);
+    impacts.extend(stopped.map(|body_sweep| Impact {
+        body: body_sweep.body,
+        fraction: rounded_down(body_sweep.first_impact),
+        end: body_sweep.sweep.at(1.0),
     }));
 }
 

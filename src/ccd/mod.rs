@@ -17,7 +17,7 @@
 //! | `stage` | continuous collision detection as part of a step |
 //! | `impacts` | the impacts of all bodies in a collision substep |
 //! | `first_contact` | where pairs first touch whose speculative points were dropped |
-//! | `motions` | how bodies move after impacts |
+//! | `body_sweeps` | how bodies move after impacts |
 //! | `sensors` | bodies that touch sensors on their paths |
 //! | `time_of_impact` | the time of impact of one pair |
 //! | `search` | conservative advancement over the bounding volume trees of two meshes |
@@ -29,10 +29,10 @@
 //! | `triangles` | safe times for triangles in single precision |
 //! | `triangle_pair` | the safe time for one pair of triangles in double precision |
 
+mod body_sweeps;
 mod cast;
 pub(crate) mod first_contact;
 mod impacts;
-mod motions;
 mod nodes;
 mod relative;
 mod search;

@@ -37,9 +37,9 @@ pub struct Scratch {
     pub(super) queue: BinaryHeap<Entry>,
 }
 
-/// One body of a pair.
+/// The mesh of one body of a pair, and how it moves.
 #[derive(Clone, Copy)]
-pub struct Side<'a> {
+pub struct SweptMesh<'a> {
     pub mesh: &'a CollisionMesh,
     /// Along the collider's axes, about the body's centre of mass.
     pub sweep: Sweep,
@@ -52,7 +52,7 @@ pub struct Side<'a> {
 
 /// The search for the first hit of one pair of bodies.
 pub struct Search<'a> {
-    pub sides: [Side<'a>; 2],
+    pub meshes: [SweptMesh<'a>; 2],
     pub target: TargetDistance,
     /// First and last time at which the bounding spheres are within the target distance.
     pub span: [f64; 2],
@@ -185,14 +185,14 @@ impl Search<'_> {
         Entry {
             tick: self.tick(time),
             time,
-            level: [0, 1].map(|i| self.sides[i].root() as u8),
+            level: [0, 1].map(|i| self.meshes[i].root() as u8),
             number: [0, 0],
             far: true,
         }
     }
 
     pub(super) fn relative(&self, time: f64) -> Relative {
-        Relative::at([&self.sides[0].sweep, &self.sides[1].sweep], time)
+        Relative::at([&self.meshes[0].sweep, &self.meshes[1].sweep], time)
     }
 
     /// Times are compared in ticks, and within a tick lower levels come first. In one tick distances shrink by no more
@@ -215,7 +215,7 @@ impl Search<'_> {
     /// What is common to all nodes that are visited at one time.
     #[inline(always)]
     pub(super) fn placement<S: Simd>(&self, simd: S, relative: Relative) -> Placement<S> {
-        let size = self.sides[0].radius + self.sides[1].radius;
+        let size = self.meshes[0].radius + self.meshes[1].radius;
         let unit = unit_of(size as f32);
         let rounded = relative.rounded(unit, size, self.target.aim);
         Placement {
@@ -230,18 +230,18 @@ impl Search<'_> {
     }
 
     #[inline(always)]
-    fn placer<S: Simd>(&self, simd: S, side: usize, unit: f32, rounded: &Rounded) -> NodePlacer<S> {
-        let Side {
+    fn placer<S: Simd>(&self, simd: S, i: usize, unit: f32, rounded: &Rounded) -> NodePlacer<S> {
+        let SweptMesh {
             scale, offset, radius, ..
-        } = self.sides[side];
+        } = self.meshes[i];
         let offset = (f64::from(unit) * offset).as_vec3();
-        NodePlacer::new(simd, side, unit * scale, offset, unit * radius as f32, rounded)
+        NodePlacer::new(simd, i, unit * scale, offset, unit * radius as f32, rounded)
     }
 
     /// Computes safe times for the children of the larger node, or again for the pair itself if it is far apart.
     #[inline(always)]
     fn open<S: Simd>(&self, entry: &Entry, placement: &Placement<S>, add: &mut impl FnMut(Entry, f64)) {
-        let [size_a, size_b] = [0, 1].map(|i| self.sides[i].size(entry.level[i]));
+        let [size_a, size_b] = [0, 1].map(|i| self.meshes[i].size(entry.level[i]));
         let first = entry.level[1] == 1 || (entry.level[0] > 1 && size_a >= size_b);
         let opened = (!entry.far).then_some(usize::from(!first));
         let a = self.nodes(entry, placement, 0, opened == Some(0));
@@ -264,12 +264,12 @@ impl Search<'_> {
     /// The children of a body's node, or the node itself in all lanes.
     #[inline(always)]
     fn nodes<S: Simd>(&self, entry: &Entry, placement: &Placement<S>, i: usize, opened: bool) -> Nodes<S> {
-        let (side, placer) = (&self.sides[i], &placement.placers[i]);
+        let (swept, placer) = (&self.meshes[i], &placement.placers[i]);
         let (level, number) = (entry.level[i], entry.number[i] as usize);
         if opened {
-            placer.nodes(&side.boxes(level - 1, number))
+            placer.nodes(&swept.boxes(level - 1, number))
         } else {
-            let group = placer.nodes(&side.boxes(level, number / CLUSTER));
+            let group = placer.nodes(&swept.boxes(level, number / CLUSTER));
             group.single(number % CLUSTER)
         }
     }
@@ -303,18 +303,18 @@ impl Search<'_> {
     #[inline(always)]
     fn triangles<S: Simd>(&self, simd: S, entry: &Entry, placement: &Placement<S>, i: usize) -> Triangles<S> {
         let rotations = [DMat3::IDENTITY, placement.relative.rotation];
-        let side = &self.sides[i];
-        let cluster = &side.mesh.lanes().clusters[entry.number[i] as usize];
+        let swept = &self.meshes[i];
+        let cluster = &swept.mesh.lanes().clusters[entry.number[i] as usize];
         let unit = f64::from(placement.unit);
-        let matrix = rotations[i] * DMat3::from_diagonal(side.scale.as_dvec3() * unit);
-        let origin = rotations[i] * (side.about_center(cluster.origin) * unit);
+        let matrix = rotations[i] * DMat3::from_diagonal(swept.scale.as_dvec3() * unit);
+        let origin = rotations[i] * (swept.about_center(cluster.origin) * unit);
         let matrix: Mat3 = matrix.as_mat3();
         Triangles::new(simd, i, cluster, matrix, origin.as_vec3(), &placement.rounded)
     }
 
     /// The safe time of two triangles; `None` if they have reached the target distance.
     fn safe_time(&self, triangles: [u32; 2], relative: &Relative) -> Option<f64> {
-        let [a, b] = [0, 1].map(|i| self.sides[i].triangle(triangles[i]));
+        let [a, b] = [0, 1].map(|i| self.meshes[i].triangle(triangles[i]));
         safe_time(&a, &b.map(|corner| relative.rotation * corner), relative, self.target)
     }
 
@@ -322,9 +322,9 @@ impl Search<'_> {
     pub fn contact(&self, hit: &Hit) -> Option<[DVec3; 2]> {
         let triangles = hit.triangles?;
         let [a, b] = [0, 1].map(|i| {
-            let side = &self.sides[i];
-            let Pose { center, rotation } = side.sweep.at(hit.time);
-            side.triangle(triangles[i]).map(|corner| center + rotation * corner)
+            let swept = &self.meshes[i];
+            let Pose { center, rotation } = swept.sweep.at(hit.time);
+            swept.triangle(triangles[i]).map(|corner| center + rotation * corner)
         });
         let nearest = nearest(&a, &b);
         Some([
@@ -346,7 +346,7 @@ fn child(number: u32, lane: usize) -> u32 {
     number * CLUSTER as u32 + lane as u32
 }
 
-impl Side<'_> {
+impl SweptMesh<'_> {
     /// The level of the root.
     fn root(&self) -> usize {
         self.mesh.lanes().levels.len() + 1

@@ -1,6 +1,6 @@
 //! The time of impact of two moving bodies, and where they first touch.
 
-use super::search::{Outcome, Scratch, Search, Side};
+use super::search::{Outcome, Scratch, Search, SweptMesh};
 use super::triangle_pair::TargetDistance;
 use super::{Sweep, spheres};
 use crate::state::mesh_arena::MeshArena;
@@ -98,7 +98,7 @@ pub(super) fn search<'a>(
     let offset = |i: u32| {
         bodies
             .part(i)
-            .map_or(DVec3::ZERO, |part| part.place.rotation.inverse() * part.offset)
+            .map_or(DVec3::ZERO, |part| part.pose.rotation.inverse() * part.offset)
     };
     let offsets = pair.map(offset);
     let radii = [(a, offsets[0]), (b, offsets[1])].map(|(i, offset)| f64::from(bodies.radius[i]) + offset.length());
@@ -109,12 +109,12 @@ pub(super) fn search<'a>(
         reached: target_distance + tolerance,
     };
     let span = spheres::overlap(sweeps, radii[0] + radii[1] + target.reached)?;
-    let side = |number: usize, i: usize| {
-        Some(Side {
+    let swept = |number: usize, i: usize| {
+        Some(SweptMesh {
             mesh: &meshes.get(bodies.mesh[i])?.mesh,
             sweep: bodies
                 .part(i as u32)
-                .map_or(*sweeps[number], |part| sweeps[number].turned(part.place.rotation)),
+                .map_or(*sweeps[number], |part| sweeps[number].turned(part.pose.rotation)),
             scale: bodies.scale[i],
             offset: offsets[number],
             radius: radii[number],
@@ -122,7 +122,7 @@ pub(super) fn search<'a>(
     };
     let surface_speed = |side: usize| sweeps[side].turn.length() * radii[side];
     Some(Search {
-        sides: [side(0, a)?, side(1, b)?],
+        meshes: [swept(0, a)?, swept(1, b)?],
         target,
         span,
         speed: (sweeps[0].travel - sweeps[1].travel).length() + surface_speed(0) + surface_speed(1),

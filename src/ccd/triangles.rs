@@ -70,7 +70,7 @@ impl<S: Simd> Triangles<S> {
     #[inline(always)]
     pub fn safe_times(&self, i: usize, others: &Self, relative: &Rounded) -> [f32; 8] {
         let simd = self.radius.simd;
-        let motion = Motion {
+        let params = SafeTimeParams {
             pad: splat(simd, relative.pad),
             speed_pad: splat(simd, relative.speed_pad),
             axis_distances: [broadcast(&self.axis_distance, i), others.axis_distance],
@@ -86,7 +86,7 @@ impl<S: Simd> Triangles<S> {
             let speed = splat(simd, frame.velocity[k]);
             let (a, b) = ([own_min[k], own_max[k]], [others.min[k], others.max[k]]);
             let spins = [splat(simd, spins_a[k]), splat(simd, spins_b[k])];
-            time = time.max(motion.safe_time(apart, speed, a, b, spins));
+            time = time.max(params.safe_time(apart, speed, a, b, spins));
         }
 
         let translation = splat_point(simd, frame.translation);
@@ -96,27 +96,27 @@ impl<S: Simd> Triangles<S> {
         let a = [broadcast(&self.along_normal[0], i), broadcast(&self.along_normal[1], i)];
         let spins = [broadcast(&self.spins[0], i), broadcast(&self.spins[1], i)];
         let b = range(normal, others.corners);
-        time = time.max(motion.safe_time(apart, speed, a, b, spins));
+        time = time.max(params.safe_time(apart, speed, a, b, spins));
 
         let [p, q, r] = &self.corners;
         let corners = [broadcast_point(p, i), broadcast_point(q, i), broadcast_point(r, i)];
         let normal = others.normal;
         let (apart, speed) = (dot(normal, translation), dot(normal, velocity));
         let (a, b) = (range(normal, corners), others.along_normal);
-        time = time.max(motion.safe_time(apart, speed, a, b, others.spins));
+        time = time.max(params.safe_time(apart, speed, a, b, others.spins));
         rounded_down(time)
     }
 }
 
-/// What is the same along every direction.
-struct Motion<S: Simd> {
+/// What safe times along all directions have in common.
+struct SafeTimeParams<S: Simd> {
     pad: f32x8<S>,
     speed_pad: f32x8<S>,
     axis_distances: [f32x8<S>; 2],
     radii: [f32x8<S>; 2],
 }
 
-impl<S: Simd> Motion<S> {
+impl<S: Simd> SafeTimeParams<S> {
     /// The safe time along a direction. `apart` is the offset from the first centre of mass to the second, which
     /// approach at `speed`.
     #[inline(always)]

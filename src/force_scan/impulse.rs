@@ -86,7 +86,7 @@ fn restitution_threshold(config: &StepConfig) -> f32 {
 }
 
 /// One body of a contact, along the direction `n`.
-struct Side {
+struct BodyResponse {
     /// Velocity of the contact point.
     speed: f32,
     /// Change of that velocity by a unit impulse.
@@ -95,7 +95,7 @@ struct Side {
     angular_response: Vec3,
 }
 
-impl Side {
+impl BodyResponse {
     fn new(bodies: &Bodies, config: &StepConfig, counts: &[u32], i: u32, point: Vec3, n: Vec3) -> Self {
         let speed = speed(bodies, config, i, point, n);
         let i = i as usize;
@@ -113,7 +113,9 @@ impl Side {
 /// The changes of velocity of both bodies; zero if they already separate.
 pub(super) fn pair_impulses(bodies: &Bodies, config: &StepConfig, counts: &[u32], pair: &PairContact) -> [Impulse; 2] {
     let (n, point) = (pair.contact.normal, pair.contact.point);
-    let [a, b] = pair.bodies.map(|i| Side::new(bodies, config, counts, i, point, n));
+    let [a, b] = pair
+        .bodies
+        .map(|i| BodyResponse::new(bodies, config, counts, i, point, n));
     let closing = a.speed - b.speed;
     let inverse_effective_mass = a.inverse_effective_mass + b.inverse_effective_mass;
     if !(closing > 0.0 && inverse_effective_mass > 0.0) {
@@ -145,15 +147,15 @@ pub(super) fn plane_impulse(
     contact: &PlaneContact,
 ) -> Impulse {
     let n = plane.normal;
-    let side = Side::new(bodies, config, counts, contact.body, contact.point, n);
+    let response = BodyResponse::new(bodies, config, counts, contact.body, contact.point, n);
     let i = contact.body as usize;
-    let target = target_speed(bodies, config, plane, contact, side.speed);
-    if !(side.speed < target && side.inverse_effective_mass > 0.0) {
+    let target = target_speed(bodies, config, plane, contact, response.speed);
+    if !(response.speed < target && response.inverse_effective_mass > 0.0) {
         return Impulse::default();
     }
-    let impulse = (target - side.speed) / side.inverse_effective_mass;
+    let impulse = (target - response.speed) / response.inverse_effective_mass;
     Impulse {
         linear: n * (impulse * bodies.inverse_mass[i]),
-        angular: side.angular_response * impulse,
+        angular: response.angular_response * impulse,
     }
 }

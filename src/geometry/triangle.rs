@@ -213,7 +213,7 @@ fn overlap(line: DVec3, a: Chord, b: Chord, placing: f64) -> Option<Option<Inter
 /// The decision by signs alone, for triangles in different planes: they intersect exactly if an edge of one intersects
 /// the other.
 fn by_edges(a: &[DVec3; 3], b: &[DVec3; 3], ha: &[Height; 3], hb: &[Height; 3], placing: f64) -> Option<Intersection> {
-    let mut found = Farthest::default();
+    let mut found = FarthestPair::default();
     for (edges_of, h, other) in [(a, ha, b), (b, hb, a)] {
         for i in 0..3 {
             let j = (i + 1) % 3;
@@ -261,7 +261,7 @@ fn coplanar(a: &[DVec3; 3], b: &[DVec3; 3], normal: DVec3, placing: f64) -> Opti
         }
     };
     let (fa, fb) = (a.map(flat), b.map(flat));
-    let mut found = Farthest::default();
+    let mut found = FarthestPair::default();
     for (points, flat_points, triangle) in [(a, &fa, &fb), (b, &fb, &fa)] {
         for i in 0..3 {
             if contains(triangle, flat_points[i], placing) {
@@ -327,12 +327,12 @@ fn segments_cross([p, q]: [DVec2; 2], [r, s]: [DVec2; 2], placing: f64) -> Optio
 
 /// Keeps the two of the added points that are farthest apart.
 #[derive(Default)]
-struct Farthest {
+struct FarthestPair {
     points: [DVec3; 2],
     count: usize,
 }
 
-impl Farthest {
+impl FarthestPair {
     fn add(&mut self, p: DVec3) {
         match self.count {
             0 => self.points = [p, p],

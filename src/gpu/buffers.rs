@@ -193,7 +193,7 @@ buffers! {
         /// Compounds as the host sends them.
         sent_compounds: ARRAY Compound, capacity.compounds, "compounds as sent";
         /// Colliders of compounds. Those of one compound are contiguous.
-        parts: ARRAY Part, capacity.parts, "colliders of compounds";
+        parts: ARRAY CompoundPart, capacity.parts, "colliders of compounds";
         planes: ARRAY Plane, capacity.planes, "half-spaces";
         meshes: ARRAY Mesh, capacity.meshes, "meshes";
         words: ARRAY u32, capacity.words, "mesh data";

@@ -1,8 +1,8 @@
 //! Commands of a step: kernels, copies and uploads, counted where they are recorded.
 
+use super::buffer_contents::BufferContents;
 use super::device::Gpu;
 use super::kernel_timer::KernelTimer;
-use super::known::Known;
 use super::readback::{DeviceError, map, scoped, staging};
 use crate::types::gpu_work::GpuWork;
 use std::ops::Range;
@@ -38,8 +38,8 @@ impl<'g> Commands<'g> {
     }
 
     /// Writes only what has changed since the last time to a buffer that no kernel writes.
-    pub fn write_changes(&mut self, known: &mut Known, buffer: &Buffer, bytes: &[u8]) {
-        for range in known.change(buffer, bytes) {
+    pub fn write_changes(&mut self, contents: &mut BufferContents, buffer: &Buffer, bytes: &[u8]) {
+        for range in contents.change(buffer, bytes) {
             let changed = &bytes[range.clone()];
             self.write_at(buffer, range.start as u64, changed);
         }

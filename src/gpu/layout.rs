@@ -98,7 +98,7 @@ layout! {
         source: u32, carried: u32, last_collider: u32, padding: u32,
     }
     /// A collider of a compound.
-    Part {
+    CompoundPart {
         translation: Vec3, collider: u32,
         rotation: [f32; 4],
         offset: Vec3, padding: u32,

@@ -8,7 +8,7 @@
 //! | [`shader`] | WGSL modules and shared constants |
 //! | [`program`] | lists of kernel calls |
 //! | [`commands`] | recording and submission, counted |
-//! | [`known`] | what need not be written again |
+//! | [`buffer_contents`] | what need not be written again |
 //! | [`layout`] | structs and constants that kernels share with the host |
 //! | [`buffers`] | the buffers of a step without contact points |
 //! | [`arena`], [`mesh_features`] | the meshes, with their topology if needed |
@@ -21,12 +21,12 @@
 //! overflows, the bodies do not move, the list is made longer, and the step is repeated: no result is dropped.
 
 pub mod arena;
+pub mod buffer_contents;
 pub mod buffers;
 pub mod commands;
 pub mod device;
 pub mod kernel;
 pub mod kernel_timer;
-pub mod known;
 pub mod layout;
 pub mod mesh_features;
 pub mod pipeline_cache;

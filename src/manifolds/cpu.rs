@@ -1,25 +1,26 @@
 //! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
 pub(super) mod arrival;
-mod boxed;
 mod candidates;
 pub(super) mod contour;
 mod crossing;
 mod deepest;
 mod eight;
 pub(super) mod feature;
+mod feature_bits;
+mod feature_finder;
 mod feature_ids;
 mod inside;
 mod kept;
 mod kept_pairs;
 mod moved;
 mod near;
+mod near_box_pairs;
 mod near_clusters;
 pub(super) mod near_features;
 mod near_lanes;
 pub(super) mod nearest;
 pub(super) mod pair;
-mod parts;
 mod placed_cluster;
 pub mod planes;
 pub(super) mod precision;
@@ -27,12 +28,11 @@ mod ray;
 pub(super) mod reduce;
 pub(super) mod rim;
 mod search;
-mod shares;
 pub(super) mod side;
 mod small_triangle;
 pub(super) mod smooth;
 
-pub(super) use arrival::Motion;
+pub(super) use arrival::PairMotion;
 pub(crate) use feature::Feature;
 pub(crate) use feature_ids::feature_ids;
 pub(crate) use kept::Kept;
@@ -111,24 +111,24 @@ pub fn run(
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
-    let wanted = |&pair| Wanted {
+    let request = |&pair| PairRequest {
         pair,
         reuse: None,
         motion: None,
     };
-    let pairs: Vec<Wanted> = pairs.iter().map(wanted).collect();
+    let pairs: Vec<PairRequest> = pairs.iter().map(request).collect();
     run_some(bodies, meshes, &pairs, |_| false, scratch, manifolds, &mut Vec::new());
 }
 
 /// A pair whose contact points are wanted.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
+pub(super) struct PairRequest {
     /// The margin is that within which points are found.
     pub pair: MarginPair,
     /// When points of the same step will do; `None` if they are always found anew.
     pub reuse: Option<Reuse>,
     /// How the bodies move; `None` if all points count.
-    pub motion: Option<Motion>,
+    pub motion: Option<PairMotion>,
 }
 
 /// Like [`run`], but pairs may reuse points or move. Pairs that are left out keep their candidates for later calls if
@@ -137,34 +137,34 @@ pub(super) struct Wanted {
 pub(super) fn run_some(
     bodies: &Bodies,
     meshes: &MeshArena,
-    pairs: &[Wanted],
+    pairs: &[PairRequest],
     waits: impl Fn([u32; 2]) -> bool,
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
     dropped: &mut Vec<[u32; 2]>,
 ) {
-    let wanted = pairs.len().div_ceil(TASK);
-    if scratch.tasks.len() < wanted {
-        scratch.tasks.resize_with(wanted, Task::default);
+    let task_count = pairs.len().div_ceil(TASK);
+    if scratch.tasks.len() < task_count {
+        scratch.tasks.resize_with(task_count, Task::default);
     }
     let Scratch { tasks, workers, kept } = scratch;
-    let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
+    let (tasks, workers) = (&mut tasks[..task_count], workers.ready());
     // A single task shares out its large pairs.
-    let threads = if wanted == 1 { loops::threads() } else { 1 };
-    let numbers = pairs.iter().map(|wanted| wanted.pair.bodies);
+    let threads = if task_count == 1 { loops::threads() } else { 1 };
+    let numbers = pairs.iter().map(|request| request.pair.bodies);
     let kept = kept.of(numbers, waits).par_chunks_mut(TASK);
     let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK)).zip(kept);
     loops::for_each(parts, 1, |((Task { manifolds, dropped }, pairs), kept)| {
         manifolds.clear();
         dropped.clear();
         let mut worker = workers.lock();
-        for (wanted, kept) in pairs.iter().zip(kept) {
+        for (request, kept) in pairs.iter().zip(kept) {
             let first = manifolds.points.len();
             let (kept, points) = (&mut kept.kept, &mut manifolds.points);
-            if !add_points(bodies, meshes, wanted, &mut worker, kept, threads, points) {
-                dropped.push(wanted.pair.bodies);
+            if !add_points(bodies, meshes, request, &mut worker, kept, threads, points) {
+                dropped.push(request.pair.bodies);
             }
-            manifolds.end_pair(wanted.pair.bodies, first);
+            manifolds.end_pair(request.pair.bodies, first);
         }
     });
     manifolds.clear();
@@ -183,7 +183,7 @@ pub(super) fn run_some(
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifolds {
     let mut manifolds = Manifolds::default();
     let (mut worker, mut kept) = (Worker::default(), Kept::default());
-    let wanted = Wanted {
+    let request = PairRequest {
         pair,
         reuse: None,
         motion: None,
@@ -191,7 +191,7 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifol
     add_points(
         bodies,
         meshes,
-        &wanted,
+        &request,
         &mut worker,
         &mut kept,
         1,
@@ -205,14 +205,14 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifol
 fn add_points(
     bodies: &Bodies,
     meshes: &MeshArena,
-    Wanted {
+    PairRequest {
         pair: MarginPair {
             bodies: numbers,
             margin,
         },
         reuse,
         motion,
-    }: &Wanted,
+    }: &PairRequest,
     worker: &mut Worker,
     kept: &mut Kept,
     threads: usize,
@@ -221,7 +221,7 @@ fn add_points(
     let Some(pair) = pair_of_bodies(bodies, meshes, *numbers) else {
         return true;
     };
-    let is_done = |reuse: &Reuse| kept.found.move_to(&pair, bodies, *numbers, reuse, points);
+    let is_done = |reuse: &Reuse| kept.points.move_to(&pair, bodies, *numbers, reuse, points);
     if reuse.as_ref().is_some_and(is_done) {
         return true;
     }
@@ -234,7 +234,7 @@ fn add_points(
     let [a, b] = numbers.map(|i| bodies.angular_velocity[i as usize].as_dvec3());
     pair.add_points(chosen, b - a, |point| points.push(point.shifted(offsets)));
     if let Some(reuse) = reuse {
-        kept.found
+        kept.points
             .set(&pair, bodies, *numbers, *margin, reuse.step, &points[first..]);
     }
     !dropped

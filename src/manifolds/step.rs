@@ -1,7 +1,7 @@
 //! Contact generation within a step: new manifolds of active pairs, reused ones of inactive pairs.
 
 use super::MarginPair;
-use super::cpu::{self, Motion, Reuse, Wanted, planes};
+use super::cpu::{self, PairMotion, PairRequest, Reuse, planes};
 use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::pair_order;
 use crate::state::margins::{SAFETY, SpeculativeMargins};
@@ -13,7 +13,7 @@ use crate::types::settings::Response;
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    pairs: Vec<Wanted>,
+    pairs: Vec<PairRequest>,
     /// Number of steps so far.
     step: u64,
     found: Manifolds,
@@ -72,8 +72,8 @@ pub(crate) fn find(
     for pair in near_pairs {
         if bodies.push_each_other(pair.bodies) && is_awake(pair.bodies) {
             let intersects = intersects(pair.bodies);
-            let wanted = wanted_points(scratch.step, config, bodies, pair, intersects);
-            scratch.pairs.push(wanted);
+            let request = request_of(scratch.step, config, bodies, pair, intersects);
+            scratch.pairs.push(request);
         }
     }
     std::mem::swap(manifolds, &mut scratch.before);
@@ -102,7 +102,7 @@ const DEEP_TRAVEL: f32 = 2.0;
 
 /// How to find the points of a near pair in the step with this number. An overlapping pair that is slow for its group
 /// keeps its points until its surfaces have moved too far.
-fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPair, intersects: bool) -> Wanted {
+fn request_of(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPair, intersects: bool) -> PairRequest {
     let &NearPair {
         bodies: pair, margin, ..
     } = near;
@@ -113,7 +113,7 @@ fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPai
     let travel = margin - at_rest;
     let most = DEEP_TRAVEL * config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);
     let lasts = intersects && count.is_finite() && count > 1.5 && travel * (1.0 + 1.0 / SAFETY) < most;
-    Wanted {
+    PairRequest {
         pair: MarginPair { bodies: pair, margin },
         reuse: lasts.then_some(Reuse {
             step,
@@ -125,13 +125,13 @@ fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPai
 }
 
 /// How a pair moves until the next collision substep.
-fn motion_of(config: &StepConfig, bodies: &Bodies, pair: [u32; 2]) -> Motion {
+fn motion_of(config: &StepConfig, bodies: &Bodies, pair: [u32; 2]) -> PairMotion {
     let [a, b] = pair.map(|i| Travel::of(bodies, config, i as usize));
     let smaller = pair
         .map(|i| bodies.radius[i as usize])
         .into_iter()
         .fold(f32::INFINITY, f32::min);
-    Motion {
+    PairMotion {
         travel: b.linear - a.linear,
         fall: b.fall - a.fall,
         turns: [a.turn, b.turn],

@@ -1,6 +1,6 @@
 //! Scan conversion of eight triangles at a time, as [`Spans`](super::spans::Spans) defines it.
 //!
-//! A [`Batch`] is eight triangles of the mesh. Seen along a direction it becomes a [`Seen`], which gives eight rows of
+//! A [`Batch`] is eight triangles of the mesh. Seen along a direction it becomes a [`ProjectedTriangles`], which gives eight rows of
 //! one of its triangles at a time, or a row of each. Each number comes from the same operations in the same order as in `Spans`, so both
 //! agree in every bit, with any instruction set.
 
@@ -89,15 +89,21 @@ impl Batch {
         (each(|k| point(&self.corners[k], lane)), point(&self.normals, lane))
     }
 
-    /// Looks at the triangles. Returns whether any of them is to be drawn; only then `seen` is set.
+    /// Looks at the triangles. Returns whether any of them is to be drawn; only then `projected` is set.
     #[inline(always)]
-    pub fn look<S: Simd>(&self, simd: S, view: &ViewLanes<S>, two_sided: bool, seen: &mut Seen) -> bool {
+    pub fn look<S: Simd>(
+        &self,
+        simd: S,
+        view: &ViewLanes<S>,
+        two_sided: bool,
+        projected: &mut ProjectedTriangles,
+    ) -> bool {
         let normals = load_points(simd, &self.normals);
         let z = dot(normals, view.axes[2]);
         let toward = if two_sided { z.abs() } else { z };
         let faces = toward.simd_gt(splat(simd, EDGE_ON));
-        seen.facing = bitmask(faces);
-        if seen.facing == 0 {
+        projected.facing = bitmask(faces);
+        if projected.facing == 0 {
             return false;
         }
         let corners = each(|k| view.project(load_points(simd, &self.corners[k])));
@@ -105,11 +111,11 @@ impl Batch {
         let (low, high) = (min(min(a, b), c), max(max(a, b), c));
         let (row_low, row_high) = (ceil(low[1]), truncate(high[1]));
         let crosses = row_low.simd_le(row_high) & ceil(low[0]).simd_le(truncate(high[0]));
-        seen.crossing = bitmask(faces & crosses);
-        seen.rows = [store(row_low), store(row_high)];
-        seen.corners = each(|k| store_points(corners[k]));
-        seen.low = store_points(low);
-        seen.high = store_points(high);
+        projected.crossing = bitmask(faces & crosses);
+        projected.rows = [store(row_low), store(row_high)];
+        projected.corners = each(|k| store_points(corners[k]));
+        projected.low = store_points(low);
+        projected.high = store_points(high);
 
         // With counter-clockwise winding an upward edge has the triangle on its left, so it bounds the spans on the
         // right.
@@ -117,12 +123,12 @@ impl Batch {
         let (p, q) = (pick(front, b, c), pick(front, c, b));
         let edges = [Edge::new(a, p), Edge::new(p, q), Edge::new(q, a)];
         let beside = |x| [x, splat(simd, 0.0), splat(simd, 0.0)];
-        seen.left = two_of(each(|k| edges[k].down), &edges, beside(low[0]));
-        seen.right = two_of(each(|k| edges[k].up), &edges, beside(high[0]));
+        projected.left = two_of(each(|k| edges[k].down), &edges, beside(low[0]));
+        projected.right = two_of(each(|k| edges[k].up), &edges, beside(high[0]));
 
         let steep = -(splat(simd, 1.0) / z);
-        seen.x_slope = store(dot(normals, view.axes[0]) * steep);
-        seen.y_slope = store(dot(normals, view.axes[1]) * steep);
+        projected.x_slope = store(dot(normals, view.axes[0]) * steep);
+        projected.y_slope = store(dot(normals, view.axes[1]) * steep);
         true
     }
 }
@@ -166,7 +172,7 @@ fn two_of<S: Simd>(
 
 /// Eight triangles as seen along a direction. Corners are in pixels: x to the right, y up, height.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct ProjectedTriangles {
     /// One bit for each triangle that is to be drawn.
     pub facing: u32,
     /// Of those, the triangles whose box contains a pixel centre.
@@ -197,7 +203,7 @@ pub(super) struct Rows {
     pub height: [f32; CLUSTER],
 }
 
-impl Seen {
+impl ProjectedTriangles {
     /// The first and the last row that may have a covered pixel centre.
     #[inline(always)]
     pub fn rows(&self, lane: usize) -> (i32, i32) {
@@ -224,7 +230,7 @@ impl Seen {
         ]
     }
 
-    /// The number of rows of the triangle with the most, and how many calls of [`Seen::rows_of`] give all rows of all
+    /// The number of rows of the triangle with the most, and how many calls of [`ProjectedTriangles::rows_of`] give all rows of all
     /// triangles.
     #[inline(always)]
     pub fn row_counts(&self) -> (i32, i32) {
@@ -237,7 +243,7 @@ impl Seen {
         (most, calls)
     }
 
-    /// The rows from `y` on of one triangle, of those that [`Seen::rows`] gives.
+    /// The rows from `y` on of one triangle, of those that [`ProjectedTriangles::rows`] gives.
     #[inline(always)]
     pub fn rows_of<S: Simd>(&self, simd: S, lane: usize, y: i32) -> Rows {
         let rows = splat(simd, y as f32) + f32x8::simd_from(simd, LANES);
@@ -369,8 +375,8 @@ mod tests {
 
     /// The covered rows of one lane, by both ways to ask for them.
     #[inline(always)]
-    fn covered<S: Simd>(simd: S, seen: &Seen, lane: usize) -> [Vec<(i32, Row)>; 2] {
-        let (low, high) = seen.rows(lane);
+    fn covered<S: Simd>(simd: S, projected: &ProjectedTriangles, lane: usize) -> [Vec<(i32, Row)>; 2] {
+        let (low, high) = projected.rows(lane);
         let (mut eight, mut each) = (Vec::new(), Vec::new());
         let row = |rows: &Rows, k: usize| Row {
             first: rows.first[k],
@@ -378,11 +384,11 @@ mod tests {
             height: rows.height[k],
         };
         for y in (low..=high).step_by(CLUSTER) {
-            let rows = seen.rows_of(simd, lane, y);
+            let rows = projected.rows_of(simd, lane, y);
             eight.extend(bits(rows.covered).map(|k| (y + k as i32, row(&rows, k))));
         }
-        for number in 0..seen.row_counts().0 {
-            let rows = seen.row_of_each(simd, number);
+        for number in 0..projected.row_counts().0 {
+            let rows = projected.row_of_each(simd, number);
             if rows.covered >> lane & 1 == 1 {
                 each.push((low + number, row(&rows, lane)));
             }
@@ -393,29 +399,29 @@ mod tests {
     #[inline(always)]
     fn check<S: Simd>(simd: S, view: &View, triangles: &[([Vec3; 3], Vec3)], two_sided: bool) -> usize {
         let batch = Batch::new(|lane| triangles.get(lane).copied());
-        let mut seen = Seen::default();
+        let mut projected = ProjectedTriangles::default();
         let mut found = 0;
-        batch.look(simd, &ViewLanes::new(simd, view), two_sided, &mut seen);
+        batch.look(simd, &ViewLanes::new(simd, view), two_sided, &mut projected);
         for (lane, &(corners, normal)) in triangles.iter().enumerate() {
             assert_eq!(batch.triangle(lane), (corners, normal));
             let facing = view.facing(normal, two_sided);
-            assert_eq!(seen.facing >> lane & 1 == 1, facing.is_some());
+            assert_eq!(projected.facing >> lane & 1 == 1, facing.is_some());
             let Some(normal) = facing else { continue };
             let corners = corners.map(|p| view.project(p));
-            assert_eq!(seen.corners(lane), corners);
+            assert_eq!(projected.corners(lane), corners);
             let spans = Spans::new(corners, normal);
-            assert_eq!(seen.crossing >> lane & 1 == 1, spans.is_some());
+            assert_eq!(projected.crossing >> lane & 1 == 1, spans.is_some());
             let Some(spans) = spans else { continue };
-            assert_eq!(seen.rows(lane), spans.rows);
-            assert_eq!(seen.x_slope(lane).to_bits(), spans.x_slope.to_bits());
+            assert_eq!(projected.rows(lane), spans.rows);
+            assert_eq!(projected.x_slope(lane).to_bits(), spans.x_slope.to_bits());
             let expected: Vec<(i32, Row)> = (spans.rows.0..=spans.rows.1)
                 .map(|y| (y, spans.row(y)))
                 .filter(|(_, row)| row.first <= row.last)
                 .collect();
-            assert_eq!(covered(simd, &seen, lane), [expected.clone(), expected.clone()]);
+            assert_eq!(covered(simd, &projected, lane), [expected.clone(), expected.clone()]);
             found += expected.len();
         }
-        assert_eq!(seen.facing >> triangles.len(), 0, "unused lanes");
+        assert_eq!(projected.facing >> triangles.len(), 0, "unused lanes");
         found
     }
 
@@ -437,22 +443,22 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(4);
         for _ in 0..1000 {
             let (triangles, view) = (triangles(&mut random), view(&mut random));
-            let mut seen = Seen::default();
+            let mut projected = ProjectedTriangles::default();
             let start = [splat_point(simd, Vec3::INFINITY), splat_point(simd, Vec3::NEG_INFINITY)];
             if !Batch::new(|lane| triangles.get(lane).copied()).look(
                 simd,
                 &ViewLanes::new(simd, &view),
                 false,
-                &mut seen,
+                &mut projected,
             ) {
-                assert_eq!(seen.facing, 0);
+                assert_eq!(projected.facing, 0);
                 continue;
             }
-            let [low, high] = seen.join_bounds(simd, start).map(store_points);
+            let [low, high] = projected.join_bounds(simd, start).map(store_points);
             for lane in 0..CLUSTER {
-                let drawn = seen.facing >> lane & 1 == 1;
+                let drawn = projected.facing >> lane & 1 == 1;
                 let expected = if drawn {
-                    let [a, b, c] = seen.corners(lane);
+                    let [a, b, c] = projected.corners(lane);
                     (a.min(b).min(c), a.max(b).max(c))
                 } else {
                     (Vec3::INFINITY, Vec3::NEG_INFINITY)

@@ -1,6 +1,6 @@
 //! The image of the greatest heights, and which triangles show in it.
 
-use super::batch::{LANES, Rows, Seen};
+use super::batch::{LANES, ProjectedTriangles, Rows};
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{Points, Select, Simd, SimdFrom, f32x8, splat, splat_point};
 use fearless_simd::prelude::*;
@@ -53,33 +53,33 @@ impl Depth {
     /// Raises the image to the heights of eight triangles. Returns one bit for each triangle that covers a pixel
     /// centre, and sets its span in `likely`, that of the middle row if there is one.
     #[inline(always)]
-    pub fn raise<S: Simd>(&mut self, simd: S, seen: &Seen, likely: &mut [Span; CLUSTER]) -> u32 {
+    pub fn raise<S: Simd>(&mut self, simd: S, projected: &ProjectedTriangles, likely: &mut [Span; CLUSTER]) -> u32 {
         // Locals, because the compiler cannot know that a store into the image leaves its length alone.
         let (stride, heights) = (self.stride, self.heights.as_mut_slice());
         let mut covering = 0;
-        let (most, calls) = seen.row_counts();
+        let (most, calls) = projected.row_counts();
         // A row of each triangle at a time is cheap where triangles have few rows. Otherwise eight rows of a triangle at
         // a time are, because its spans follow each other in memory (measured).
         if most * 2 <= calls {
             for row in 0..most {
-                let rows = seen.row_of_each(simd, row);
+                let rows = projected.row_of_each(simd, row);
                 for lane in lanes(rows.covered) {
-                    let (low, high) = seen.rows(lane);
+                    let (low, high) = projected.rows(lane);
                     let span = Span::new(low + row, stride, &rows, lane);
                     if covering >> lane & 1 == 0 || row == (high - low) / 2 {
                         likely[lane] = span;
                     }
-                    raise_span(simd, heights, span, seen.x_slope(lane));
+                    raise_span(simd, heights, span, projected.x_slope(lane));
                 }
                 covering |= rows.covered;
             }
             return covering;
         }
-        for lane in lanes(seen.crossing) {
-            let (low, high) = seen.rows(lane);
-            let x_slope = seen.x_slope(lane);
+        for lane in lanes(projected.crossing) {
+            let (low, high) = projected.rows(lane);
+            let x_slope = projected.x_slope(lane);
             for y in (low..=high).step_by(CLUSTER) {
-                let rows = seen.rows_of(simd, lane, y);
+                let rows = projected.rows_of(simd, lane, y);
                 if rows.covered == 0 {
                     continue;
                 }
@@ -103,14 +103,14 @@ impl Depth {
     ///
     /// `likely` is one of its spans and is tested first: most visible triangles show there.
     #[inline(always)]
-    pub fn shows<S: Simd>(&self, simd: S, seen: &Seen, lane: usize, likely: Span) -> bool {
-        let x_slope = seen.x_slope(lane);
+    pub fn shows<S: Simd>(&self, simd: S, projected: &ProjectedTriangles, lane: usize, likely: Span) -> bool {
+        let x_slope = projected.x_slope(lane);
         if self.span_shows(simd, likely, x_slope) {
             return true;
         }
-        let (low, high) = seen.rows(lane);
+        let (low, high) = projected.rows(lane);
         for y in (low..=high).step_by(CLUSTER) {
-            let rows = seen.rows_of(simd, lane, y);
+            let rows = projected.rows_of(simd, lane, y);
             for k in lanes(rows.covered) {
                 if self.span_shows(simd, Span::new(y + k as i32, self.stride, &rows, k), x_slope) {
                     return true;

@@ -22,7 +22,7 @@
 //!   sight is where the line enters the surface. This applies only where `facing::prove` succeeds for the mesh.
 //!   Otherwise all triangles are drawn from both sides.
 
-use super::batch::{Batch, Seen, View, ViewLanes};
+use super::batch::{Batch, ProjectedTriangles, View, ViewLanes};
 use super::depth::{Depth, Span, no_bounds};
 use super::facing::{self, Facing};
 use super::spans::Spans;
@@ -64,7 +64,7 @@ pub struct Scratch {
 #[derive(Clone, Debug, Default)]
 struct Drawn {
     batch: usize,
-    seen: Seen,
+    projected: ProjectedTriangles,
     /// One bit for each triangle that covers a pixel centre. The others that face the viewer are slivers.
     covering: u32,
     /// A span of each triangle that covers a pixel centre.
@@ -150,20 +150,20 @@ impl Raster {
                 seen.push(Drawn::default());
             }
             let drawn = &mut seen[used];
-            if batch.look(simd, &view, self.two_sided, &mut drawn.seen) {
+            if batch.look(simd, &view, self.two_sided, &mut drawn.projected) {
                 used += 1;
                 drawn.batch = number;
-                drawn.covering = depth.raise(simd, &drawn.seen, &mut drawn.likely);
-                bounds = drawn.seen.join_bounds(simd, bounds);
+                drawn.covering = depth.raise(simd, &drawn.projected, &mut drawn.likely);
+                bounds = drawn.projected.join_bounds(simd, bounds);
             }
         }
         for drawn in &seen[..used] {
             let mut shows = 0_u64;
-            for lane in bits(drawn.seen.facing) {
+            for lane in bits(drawn.projected.facing) {
                 let found = if drawn.covering >> lane & 1 == 1 {
-                    depth.shows(simd, &drawn.seen, lane, drawn.likely[lane])
+                    depth.shows(simd, &drawn.projected, lane, drawn.likely[lane])
                 } else {
-                    depth.sliver_shows(drawn.seen.corners(lane))
+                    depth.sliver_shows(drawn.projected.corners(lane))
                 };
                 shows |= u64::from(found) << lane;
             }

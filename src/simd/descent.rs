@@ -23,11 +23,11 @@ pub struct Descent {
     masks: Vec<u32>,
     /// For each of `nodes`, its index in `groups`.
     group_of_node: Vec<u32>,
-    groups: Vec<Opened>,
+    groups: Vec<OpenedNode>,
 }
 
 /// The children of a node of the second tree.
-struct Opened {
+struct OpenedNode {
     group: Group,
     /// Lanes of the children that are in `next_nodes`, and their indices there.
     listed: u32,
@@ -134,13 +134,13 @@ impl Descent {
                 let index = &mut self.group_of_node[at as usize];
                 if *index == NONE {
                     *index = self.groups.len() as u32;
-                    self.groups.push(Opened {
+                    self.groups.push(OpenedNode {
                         group: tree.children(level, number),
                         listed: 0,
                         children: [NONE; 8],
                     });
                 }
-                let Opened {
+                let OpenedNode {
                     group,
                     listed,
                     children,

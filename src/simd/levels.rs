@@ -47,7 +47,7 @@ pub fn visit(
 }
 
 /// A node that [`visit_nearest`] has yet to visit.
-struct Open {
+struct OpenNode {
     /// Lower bound of its distance.
     bound: f32,
     /// The boxes below it; 0 for a box of the lowest level.
@@ -73,8 +73,8 @@ pub fn visit_nearest(
     early: impl Fn(u32),
     mut found: impl FnMut(u32) -> f32,
 ) {
-    let mut open = ArrayVec::<Open, MAX_OPEN>::new();
-    open.push(Open {
+    let mut open = ArrayVec::<OpenNode, MAX_OPEN>::new();
+    open.push(OpenNode {
         bound: f32::MIN,
         level: levels.len() as u32,
         number: 0,
@@ -106,7 +106,7 @@ pub fn visit_nearest(
         for lane in bits(met) {
             // Insertion sort, farthest first.
             let mut i = open.len();
-            open.push(Open {
+            open.push(OpenNode {
                 bound: lower[lane],
                 level,
                 number: 8 * node.number + lane as u32,

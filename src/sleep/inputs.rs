@@ -1,6 +1,6 @@
 //! The state of a body, other than its motion, whose change wakes the body or its neighbours.
 
-use crate::state::{Place, StepInput};
+use crate::state::{LocalPose, StepInput};
 use crate::types::body::{LockedAxes, RigidBody};
 use glam::{DVec3, Quat, Vec3};
 
@@ -19,12 +19,12 @@ pub(crate) struct SleepInputs {
     pub locked_axes: LockedAxes,
 }
 
-/// These properties and the pose: that of the body and, in a body of several colliders, the place of the collider and the
+/// These properties and the pose: that of the body and, in a body of several colliders, the pose of the collider and the
 /// body's centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct PlacedSleepInputs {
     pub inputs: SleepInputs,
-    pub place: Option<(Place, DVec3)>,
+    pub place: Option<(LocalPose, DVec3)>,
     pub position: Vec3,
     pub rotation: Quat,
 }
@@ -63,7 +63,7 @@ impl PlacedSleepInputs {
         let compound = &bodies.compounds[part.compound as usize];
         Self {
             inputs,
-            place: Some((part.place, compound.local_center)),
+            place: Some((part.pose, compound.local_center)),
             position: compound.motion.position,
             rotation: compound.motion.rotation,
         }

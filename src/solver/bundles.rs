@@ -28,13 +28,13 @@ pub(super) struct Bundles {
     /// The sizes of their batches, in order.
     pub batches: Vec<BatchSize>,
     colors: Colors,
-    alone: Alone,
+    alone: SeparateBatches,
     sorted: Vec<IslandPair>,
 }
 
 /// The batches that each island would have alone.
 #[derive(Clone, Debug, Default)]
-struct Alone {
+struct SeparateBatches {
     sizes: Vec<BatchSize>,
     /// Where the pairs of each island end.
     ends: Vec<usize>,
@@ -122,7 +122,7 @@ impl Bundles {
     }
 }
 
-impl Alone {
+impl SeparateBatches {
     /// The batches of some islands.
     fn of(&self, islands: Range<usize>) -> &[BatchSize] {
         let end_of = |count: usize| if count == 0 { 0 } else { self.ends[count - 1] };

@@ -8,7 +8,7 @@
 use super::body::{Body, BodyParams, Motion};
 use super::checks::{check_body, check_collider, check_pose};
 use super::columns::Row;
-use super::compound::{Compound, Part};
+use super::compound::{Compound, CompoundPart};
 use super::dormant_set::DormantSet;
 use super::fault::{BodyFault, MAX_SPEED};
 use super::mesh_arena::MeshArena;
@@ -79,7 +79,7 @@ pub struct Bodies {
     /// Moving bodies whose colliders are placed in them. Other bodies have one collider.
     pub compounds: Vec<Compound>,
     /// Colliders of compounds, ascending.
-    pub parts: Vec<Part>,
+    pub parts: Vec<CompoundPart>,
     /// Finds a collider among `parts`.
     pub(crate) part_index: PartIndex,
     /// The colliders that are not static, ascending, if they have been listed.

@@ -30,11 +30,11 @@ pub struct Compound {
 
 /// A collider of a [`Compound`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct CompoundPart {
     /// Number of the collider.
     pub collider: u32,
-    /// Place of the collider in the body.
-    pub place: Place,
+    /// Pose of the collider in the body.
+    pub pose: LocalPose,
     /// Index of its body in [`Bodies::compounds`].
     pub compound: u32,
     /// From the body's centre of mass to the collider's, in the body's axes, metres.
@@ -43,7 +43,7 @@ pub struct Part {
 
 /// Pose of a collider in its body. The scale is not included.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Place {
+pub struct LocalPose {
     /// Position of the mesh's origin, in the body's axes, metres.
     pub translation: DVec3,
     /// From the mesh's axes to the body's; of unit length.
@@ -69,11 +69,11 @@ impl Compound {
 
 /// A collider for [`Bodies::join`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NewPart {
+pub struct NewCompoundPart {
     /// Number of the collider.
     pub collider: u32,
-    /// Place of the collider in the body.
-    pub place: Place,
+    /// Pose of the collider in the body.
+    pub pose: LocalPose,
     /// Kilograms per cubic metre.
     pub density: f32,
 }
@@ -85,7 +85,7 @@ struct Total {
     inertia: DMat3,
 }
 
-impl Place {
+impl LocalPose {
     /// At the body's origin, along its axes.
     pub const IDENTITY: Self = Self {
         translation: DVec3::ZERO,
@@ -109,7 +109,7 @@ impl Bodies {
         &mut self,
         body: &Body,
         center: Option<Vec3>,
-        parts: &[NewPart],
+        parts: &[NewCompoundPart],
         meshes: &MeshArena,
     ) -> Result<(), BodyFault> {
         check_body(body)?;
@@ -129,17 +129,17 @@ impl Bodies {
         };
         let compound = self.compounds.len() as u32;
         let mut radius = 0.0f64;
-        for &NewPart { collider, place, .. } in parts {
+        for &NewCompoundPart { collider, pose, .. } in parts {
             let i = collider as usize;
             let mesh_center = meshes[self.mesh[i]].mesh.mass.center.as_dvec3();
-            let offset = place.translation + place.rotation * (self.frame[i].scale * mesh_center) - total.center;
+            let offset = pose.translation + pose.rotation * (self.frame[i].scale * mesh_center) - total.center;
             radius = radius.max(offset.length() + f64::from(self.unpadded_radius[i]));
             self.body[i] = number;
             self.inverse_mass[i] = inverse_mass;
             self.own_inverse_mass[i] = own_inverse_mass;
-            self.parts.push(Part {
+            self.parts.push(CompoundPart {
                 collider,
-                place,
+                pose,
                 compound,
                 offset,
             });
@@ -169,7 +169,7 @@ impl Bodies {
     }
 
     /// The part that a collider is of a [`Compound`].
-    pub(crate) fn part(&self, collider: u32) -> Option<&Part> {
+    pub(crate) fn part(&self, collider: u32) -> Option<&CompoundPart> {
         self.part_index.get(collider).map(|at| &self.parts[at])
     }
 
@@ -236,9 +236,9 @@ impl Bodies {
             };
             last = Some((part.compound, inverse_inertia));
             let offset = turn * part.offset;
-            let rotation = (turn * part.place.rotation).normalize();
+            let rotation = (turn * part.pose.rotation).normalize();
             let axes = DMat3::from_quat(rotation);
-            let position = compound.center + turn * (part.place.translation - compound.local_center);
+            let position = compound.center + turn * (part.pose.translation - compound.local_center);
             let velocity = motion.linear_velocity.as_dvec3() + motion.angular_velocity.as_dvec3().cross(offset);
             self.frame[i] = Frame {
                 position,
@@ -276,19 +276,19 @@ impl Bodies {
 
     /// Mass of a collider, its axes, and its centre of mass in the body's axes.
     #[inline]
-    fn weigh(&self, part: &NewPart, meshes: &MeshArena) -> (f64, DMat3, DVec3) {
+    fn weigh(&self, part: &NewCompoundPart, meshes: &MeshArena) -> (f64, DMat3, DVec3) {
         let i = part.collider as usize;
         let (properties, scale) = (&meshes[self.mesh[i]].mesh.mass, self.frame[i].scale);
         let mass = f64::from(part.density) * f64::from(properties.volume) * scale.element_product().abs();
-        let axes = DMat3::from_quat(part.place.rotation);
-        let center = part.place.translation + axes * (scale * properties.center.as_dvec3());
+        let axes = DMat3::from_quat(part.pose.rotation);
+        let center = part.pose.translation + axes * (scale * properties.center.as_dvec3());
         (mass, axes, center)
     }
 
     /// Adds up the masses of colliders.
-    fn total(&self, body: &Body, center: Option<Vec3>, parts: &[NewPart], meshes: &MeshArena) -> Total {
+    fn total(&self, body: &Body, center: Option<Vec3>, parts: &[NewCompoundPart], meshes: &MeshArena) -> Total {
         let all_sensors = parts.iter().all(|part| self.sensor[part.collider as usize]);
-        let weighs = |part: &&NewPart| all_sensors || !self.sensor[part.collider as usize];
+        let weighs = |part: &&NewCompoundPart| all_sensors || !self.sensor[part.collider as usize];
         let (mut mass, mut moment) = (0.0, DVec3::ZERO);
         for part in parts.iter().filter(weighs) {
             let (own, _, at) = self.weigh(part, meshes);
@@ -317,14 +317,14 @@ impl Bodies {
 }
 
 impl Body {
-    /// A collider at `place` in this body: the same parameters, with the pose in the world. Mass, inertia and velocities
+    /// A collider at `pose` in this body: the same parameters, with the pose in the world. Mass, inertia and velocities
     /// are those of the body, so the collider has none.
-    pub fn collider(&self, mesh: u32, place: &Place, scale: Vec3) -> Self {
+    pub fn collider(&self, mesh: u32, pose: &LocalPose, scale: Vec3) -> Self {
         let turn = self.rotation.as_dquat().normalize();
         Self {
             mesh,
-            position: (self.position.as_dvec3() + turn * place.translation).as_vec3(),
-            rotation: (turn * place.rotation).as_quat(),
+            position: (self.position.as_dvec3() + turn * pose.translation).as_vec3(),
+            rotation: (turn * pose.rotation).as_quat(),
             scale,
             mass: None,
             inertia: None,
@@ -333,7 +333,7 @@ impl Body {
     }
 }
 
-impl From<(Vec3, Quat)> for Place {
+impl From<(Vec3, Quat)> for LocalPose {
     fn from((translation, rotation): (Vec3, Quat)) -> Self {
         Self {
             translation: translation.as_dvec3(),

@@ -1,7 +1,7 @@
 //! A few of the bodies of a step, by themselves.
 
 use super::bodies::Bodies;
-use super::compound::{Compound, Part};
+use super::compound::{Compound, CompoundPart};
 
 impl Bodies {
     /// Only these colliders, which are ascending, renumbered in the same order. The first collider of each body must be
@@ -21,13 +21,13 @@ impl Bodies {
         }
         let parts = colliders.iter().filter_map(|&collider| {
             let part = self.part(collider)?;
-            Some(Part {
+            Some(CompoundPart {
                 collider: number_of(collider)?,
                 compound: numbers[part.compound as usize]?,
                 ..*part
             })
         });
-        let parts: Vec<Part> = parts.collect();
+        let parts: Vec<CompoundPart> = parts.collect();
         let body = |&collider: &u32| number_of(self.body_of(collider)).unwrap_or_default();
         let mut excerpt = Self {
             body: colliders.iter().map(body).collect(),

@@ -53,7 +53,7 @@ pub(crate) mod travel;
 
 pub use bodies::{Bodies, Frame};
 pub use body::{Body, BodyParams, Motion};
-pub use compound::{Compound, NewPart, Part, Place};
+pub use compound::{Compound, CompoundPart, LocalPose, NewCompoundPart};
 pub use config::StepConfig;
 pub use contacts::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 pub use departure::Departure;

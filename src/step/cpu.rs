@@ -8,7 +8,7 @@ use super::cost::is_small;
 use super::crowds;
 use super::hooks::{NoHooks, StepHooks, filter_pairs, modify_contacts};
 use super::memory::StepMemory;
-use super::order::{Part, Place, parts_of};
+use super::order::{Part, SubstepPosition, parts_of};
 use super::scratch::StepScratch;
 use crate::manifolds::report::report_points;
 use crate::state::crowd::Crowd;
@@ -95,8 +95,8 @@ pub fn touching(step: &mut StepState) -> Vec<[u32; 2]> {
 fn run_stage(stage: Stage, number: u32, step: &mut StepState, hooks: &mut dyn StepHooks) {
     let start = Instant::now();
     // The number of collision substeps is known after the first part. Only the last stage needs it.
-    let place = Place::of(number, step.results.collision_substeps);
-    for part in parts_of(stage, step.input.config.response, place) {
+    let position = SubstepPosition::of(number, step.results.collision_substeps);
+    for part in parts_of(stage, step.input.config.response, position) {
         match part {
             Part::FilterPairs => filter_pairs(step, number, hooks),
             Part::ModifyContacts => modify_contacts(step, number, hooks),

@@ -80,7 +80,7 @@ struct Candidates {
 
 /// Dormant colliders that a step meets.
 #[derive(Debug)]
-pub(crate) struct Met(Vec<u32>);
+pub(crate) struct MetColliders(Vec<u32>);
 
 /// Most rounds of rousing in a step, because each is a search: roused bodies may meet other dormant ones. After these
 /// all bodies are roused.
@@ -99,7 +99,7 @@ impl StepScratch {
     /// Rouses the groups of these bodies in collision substep `number`. Returns their colliders, ascending.
     pub(super) fn rouse(
         &mut self,
-        met: Met,
+        met: MetColliders,
         number: u32,
         input: &mut StepInput,
         memory: &mut StepMemory,
@@ -154,7 +154,7 @@ impl Dormant {
         input: &mut StepInput,
         memory: &mut StepMemory,
         results: &mut StepResults,
-    ) -> Result<(), Met> {
+    ) -> Result<(), MetColliders> {
         self.has_ended = false;
         self.rounds = 0;
         if self.groups.is_empty() {
@@ -173,7 +173,7 @@ impl Dormant {
 
     /// # Errors
     /// The dormant bodies that are or were near these static ones, which have changed.
-    fn meet_static(&self, bodies: &Bodies, changed: &[u32]) -> Result<(), Met> {
+    fn meet_static(&self, bodies: &Bodies, changed: &[u32]) -> Result<(), MetColliders> {
         if changed.is_empty() {
             return Ok(());
         }
@@ -188,7 +188,7 @@ impl Dormant {
             })
         };
         let members = self.groups.values().flat_map(|group| &group.members).copied();
-        Met::of(were_near.chain(members.filter(is_near)).collect())
+        MetColliders::of(were_near.chain(members.filter(is_near)).collect())
     }
 
     /// Sets the number of the first plane, which follows those of all colliders.
@@ -240,24 +240,24 @@ impl Dormant {
 
     /// # Errors
     /// The dormant bodies in `pairs`; all of them if the list is not complete.
-    pub fn meet(&self, bodies: &Bodies, pairs: &[[u32; 2]], is_crowded: bool) -> Result<(), Met> {
+    pub fn meet(&self, bodies: &Bodies, pairs: &[[u32; 2]], is_crowded: bool) -> Result<(), MetColliders> {
         if self.groups.is_empty() {
             return Ok(());
         }
         let all = self.groups.keys().copied().filter(|_| is_crowded);
         let some = pairs.iter().flatten().copied();
         let some = some.filter(|&i| !is_crowded && bodies.dormant.has(i as usize));
-        Met::of(all.chain(some).collect())
+        MetColliders::of(all.chain(some).collect())
     }
 
     /// # Errors
     /// The groups whose boxes are within reach.
-    pub fn meet_boxes(&self, is_in_reach: impl Fn([DVec3; 2]) -> bool) -> Result<(), Met> {
+    pub fn meet_boxes(&self, is_in_reach: impl Fn([DVec3; 2]) -> bool) -> Result<(), MetColliders> {
         let near = self.groups.iter().filter(|(_, group)| is_in_reach(group.bounds));
-        Met::of(near.map(|(&first, _)| first).collect())
+        MetColliders::of(near.map(|(&first, _)| first).collect())
     }
 
-    fn rouse(&mut self, Met(met): Met, number: u32, lists: &mut Lists) -> Vec<u32> {
+    fn rouse(&mut self, MetColliders(met): MetColliders, number: u32, lists: &mut Lists) -> Vec<u32> {
         let Lists {
             bodies,
             solver_bodies,
@@ -300,7 +300,7 @@ impl Dormant {
     }
 
     /// The contacts of these bodies, which are ascending and still dormant.
-    pub fn contacts_of(&self, Met(met): &Met, first_plane: u32) -> Contacts {
+    pub fn contacts_of(&self, MetColliders(met): &MetColliders, first_plane: u32) -> Contacts {
         let of = |i: u32| self.group_of.get(i as usize);
         let mut groups: Vec<u32> = met.iter().filter_map(|&i| of(i).copied()).collect();
         groups.sort_unstable();
@@ -472,7 +472,7 @@ impl Dormant {
     }
 }
 
-impl Met {
+impl MetColliders {
     fn of(met: Vec<u32>) -> Result<(), Self> {
         if met.is_empty() { Ok(()) } else { Err(Self(met)) }
     }

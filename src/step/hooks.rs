@@ -162,9 +162,9 @@ pub(super) fn modify_contacts(step: &mut StepState, number: u32, hooks: &mut dyn
     manifolds.pairs.retain_mut(|manifold| {
         let first = manifold.first_point as usize;
         let range = first..first + manifold.point_count as usize;
-        let sides = manifold.bodies.map(|i| Side::of(input, i));
-        if sides.iter().any(|side| modifies(side.hooks)) {
-            let own = Side::combine(&sides);
+        let both = manifold.bodies.map(|i| SurfaceProperties::of(input, i));
+        if both.iter().any(|own| modifies(own.hooks)) {
+            let own = SurfaceProperties::combine(&both);
             let mut surface = own;
             let is_kept = hooks.modify_contacts(&mut PairContacts {
                 pair: manifold.bodies,
@@ -200,13 +200,13 @@ pub(super) fn modify_contacts(step: &mut StepState, number: u32, hooks: &mut dyn
 }
 
 /// What a collider or plane contributes to a contact.
-struct Side {
+struct SurfaceProperties {
     friction: (CombineRule, f32),
     restitution: (CombineRule, f32),
     hooks: ActiveCollisionHooks,
 }
 
-impl Side {
+impl SurfaceProperties {
     fn of(input: &StepInput, i: u32) -> Self {
         let bodies = &input.bodies;
         let i = i as usize;

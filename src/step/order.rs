@@ -52,7 +52,7 @@ pub enum Part {
 /// Position of a collision substep in its step. Without [`Response::Contacts`] there is one, which is both the first
 /// and the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Place {
+pub struct SubstepPosition {
     /// Whether it is the first of the step.
     pub is_first: bool,
     /// Whether it is the last of the step.
@@ -61,29 +61,29 @@ pub struct Place {
 
 /// The collision substeps in which a part runs.
 #[derive(Clone, Copy)]
-enum When {
+enum Substeps {
     First,
     All,
     Last,
 }
 
 /// The responses with which a part runs.
-struct With {
+struct Responses {
     none: bool,
     impulse: bool,
     contacts: bool,
 }
 
-const ANY: With = with(true, true, true);
-const NONE: With = with(true, false, false);
-const CONTACTS: With = with(false, false, true);
+const ANY: Responses = responses(true, true, true);
+const NONE: Responses = responses(true, false, false);
+const CONTACTS: Responses = responses(false, false, true);
 /// Responses that compute contact points.
-const POINTS: With = with(true, false, true);
+const POINTS: Responses = responses(true, false, true);
 /// Responses that move the bodies once per step.
-const SIMPLE: With = with(true, true, false);
+const SIMPLE: Responses = responses(true, true, false);
 
-const fn with(none: bool, impulse: bool, contacts: bool) -> With {
-    With {
+const fn responses(none: bool, impulse: bool, contacts: bool) -> Responses {
+    Responses {
         none,
         impulse,
         contacts,
@@ -91,41 +91,41 @@ const fn with(none: bool, impulse: bool, contacts: bool) -> With {
 }
 
 /// The whole step.
-const ORDER: [(Part, When, With); 19] = [
-    (Part::Begin, When::First, ANY),
-    (Part::FindSpherePairs, When::All, ANY),
-    (Part::FilterPairs, When::All, ANY),
-    (Part::FindNearPairs, When::All, ANY),
+const ORDER: [(Part, Substeps, Responses); 19] = [
+    (Part::Begin, Substeps::First, ANY),
+    (Part::FindSpherePairs, Substeps::All, ANY),
+    (Part::FilterPairs, Substeps::All, ANY),
+    (Part::FindNearPairs, Substeps::All, ANY),
     // The results of the triangle test describe the start of the step.
-    (Part::TestTriangles, When::First, ANY),
-    (Part::FindContactPoints, When::All, POINTS),
-    (Part::ModifyContacts, When::All, POINTS),
-    (Part::ReuseContactPoints, When::All, CONTACTS),
-    (Part::ReportContactPoints, When::First, NONE),
+    (Part::TestTriangles, Substeps::First, ANY),
+    (Part::FindContactPoints, Substeps::All, POINTS),
+    (Part::ModifyContacts, Substeps::All, POINTS),
+    (Part::ReuseContactPoints, Substeps::All, CONTACTS),
+    (Part::ReportContactPoints, Substeps::First, NONE),
     // With `Response::None` all sums are zero.
-    (Part::SumImpulses, When::All, SIMPLE),
-    (Part::ApplyImpulses, When::All, SIMPLE),
-    (Part::Wake, When::All, CONTACTS),
-    (Part::Solve, When::All, CONTACTS),
-    (Part::RecordTouches, When::All, CONTACTS),
-    (Part::FallAsleep, When::All, CONTACTS),
-    (Part::StopFastBodies, When::All, CONTACTS),
-    (Part::MoveBodies, When::All, CONTACTS),
-    (Part::ReportTouches, When::Last, CONTACTS),
-    (Part::Remember, When::Last, ANY),
+    (Part::SumImpulses, Substeps::All, SIMPLE),
+    (Part::ApplyImpulses, Substeps::All, SIMPLE),
+    (Part::Wake, Substeps::All, CONTACTS),
+    (Part::Solve, Substeps::All, CONTACTS),
+    (Part::RecordTouches, Substeps::All, CONTACTS),
+    (Part::FallAsleep, Substeps::All, CONTACTS),
+    (Part::StopFastBodies, Substeps::All, CONTACTS),
+    (Part::MoveBodies, Substeps::All, CONTACTS),
+    (Part::ReportTouches, Substeps::Last, CONTACTS),
+    (Part::Remember, Substeps::Last, ANY),
 ];
 
 /// The parts of one collision substep, in order.
-pub fn parts(response: Response, place: Place) -> impl Iterator<Item = Part> {
+pub fn parts(response: Response, position: SubstepPosition) -> impl Iterator<Item = Part> {
     ORDER
         .iter()
-        .filter(move |(_, when, with)| when.holds(place) && with.holds(response))
+        .filter(move |(_, substeps, responses)| substeps.holds(position) && responses.holds(response))
         .map(|&(part, ..)| part)
 }
 
 /// The parts of one stage in a collision substep, in order.
-pub fn parts_of(stage: Stage, response: Response, place: Place) -> impl Iterator<Item = Part> {
-    parts(response, place).filter(move |part| part.stage() == stage)
+pub fn parts_of(stage: Stage, response: Response, position: SubstepPosition) -> impl Iterator<Item = Part> {
+    parts(response, position).filter(move |part| part.stage() == stage)
 }
 
 impl Part {
@@ -146,7 +146,7 @@ impl Part {
     }
 }
 
-impl Place {
+impl SubstepPosition {
     /// The position of collision substep `number` of `count`.
     pub fn of(number: u32, count: u32) -> Self {
         Self {
@@ -156,17 +156,17 @@ impl Place {
     }
 }
 
-impl When {
-    fn holds(self, place: Place) -> bool {
+impl Substeps {
+    fn holds(self, position: SubstepPosition) -> bool {
         match self {
-            Self::First => place.is_first,
+            Self::First => position.is_first,
             Self::All => true,
-            Self::Last => place.is_last,
+            Self::Last => position.is_last,
         }
     }
 }
 
-impl With {
+impl Responses {
     fn holds(&self, response: Response) -> bool {
         match response {
             Response::None => self.none,
@@ -183,9 +183,14 @@ mod tests {
     #[test]
     fn parts_run_in_the_order_of_stages() {
         for response in [Response::None, Response::Impulse, Response::Contacts] {
-            for place in [Place::of(0, 1), Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)] {
-                let stages: Vec<_> = parts(response, place).map(|part| part.stage() as usize).collect();
-                assert!(stages.is_sorted(), "{response:?} {place:?}");
+            for position in [
+                SubstepPosition::of(0, 1),
+                SubstepPosition::of(0, 3),
+                SubstepPosition::of(1, 3),
+                SubstepPosition::of(2, 3),
+            ] {
+                let stages: Vec<_> = parts(response, position).map(|part| part.stage() as usize).collect();
+                assert!(stages.is_sorted(), "{response:?} {position:?}");
             }
         }
     }
@@ -193,7 +198,7 @@ mod tests {
     #[test]
     fn every_step_begins_and_ends_once() {
         for response in [Response::None, Response::Impulse, Response::Contacts] {
-            let all = (0..3).flat_map(|number| parts(response, Place::of(number, 3)));
+            let all = (0..3).flat_map(|number| parts(response, SubstepPosition::of(number, 3)));
             let all: Vec<_> = all.collect();
             for part in [Part::Begin, Part::TestTriangles, Part::Remember] {
                 assert_eq!(

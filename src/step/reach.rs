@@ -6,7 +6,7 @@
 //! others may touch it, so that a nut that turns about its bolt needs no more than its thread does. Groups with
 //! different numbers must stay apart for the whole step, see [`territories`](super::territories).
 
-use super::dormant::{Dormant, Met};
+use super::dormant::{Dormant, MetColliders};
 use super::territories::Territories;
 use crate::broad_phase;
 use crate::broad_phase::cpu::WideSearch;
@@ -63,7 +63,7 @@ impl Reach {
         drift: Vec3,
         near_in_step: &mut WideSearch,
         dormant: &Dormant,
-    ) -> Result<(), Met> {
+    ) -> Result<(), MetColliders> {
         let StepInput {
             config,
             bodies,

@@ -22,7 +22,7 @@ fn meshes() -> Vec<TriMesh> {
 }
 
 #[derive(Default, Debug)]
-struct Found {
+struct Outcomes {
     stopped: usize,
     free: usize,
     near: usize,
@@ -30,11 +30,11 @@ struct Found {
 
 /// Checks random pairs and counts their outcomes. `turns` is the largest number of revolutions, and `samples` the
 /// number of poses at which distances are computed.
-fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Found {
+fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Outcomes {
     let meshes = meshes();
     let mut flights = Flights::new(&meshes);
     let mut random = Random::new(seed);
-    let mut found = Found::default();
+    let mut found = Outcomes::default();
     for case in 0..count {
         flights.clear();
         let middle = random.direction() * far;

@@ -2,7 +2,7 @@
 
 use crate::world::{GAP, World};
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::state::{Body, BodyParams, NewPart, Place};
+use bevy_faceoff::state::{Body, BodyParams, LocalPose, NewCompoundPart};
 use bevy_faceoff::types::settings::Response;
 use glam::{DMat3, Quat, Vec3};
 
@@ -13,12 +13,12 @@ pub type Collider = (u32, (Vec3, Quat), Vec3);
 pub fn put(world: &mut World, body: &Body, center: Option<Vec3>, colliders: &[Collider]) -> usize {
     let first = world.state.input.bodies.len();
     let mut parts = Vec::new();
-    for &(mesh, place, scale) in colliders {
-        let place = Place::from(place);
-        let collider = world.put(&body.collider(mesh, &place, scale)) as u32;
-        parts.push(NewPart {
+    for &(mesh, pose, scale) in colliders {
+        let pose = LocalPose::from(pose);
+        let collider = world.put(&body.collider(mesh, &pose, scale)) as u32;
+        parts.push(NewCompoundPart {
             collider,
-            place,
+            pose,
             density: body.density,
         });
     }

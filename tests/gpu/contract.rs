@@ -12,7 +12,7 @@ use bevy_faceoff::plugin::Poses;
 use bevy_faceoff::solver::gpu::{self as solver, SolverBuffers};
 use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepCapacity};
 use bevy_faceoff::step::gpu::record::{ALL_SHADERS, Recorder, all_kernels, all_modules};
-use bevy_faceoff::step::order::Place;
+use bevy_faceoff::step::order::SubstepPosition;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::stage::Stage;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -261,7 +261,7 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
             may_sleep,
             is_begun: false,
         };
-        let alone = Place::of(0, 1);
+        let alone = SubstepPosition::of(0, 1);
         add(
             recorder(Response::Impulse, false).calls(&Stage::ALL, alone),
             &IMPULSE_SETS,
@@ -269,8 +269,13 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
         add(recorder(Response::None, false).calls(&Stage::ALL, alone), &CONTACT_SETS);
         add(recorder(Response::Contacts, true).reach(), &CONTACT_SETS);
         for may_sleep in [true, false] {
-            for place in [alone, Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)] {
-                let calls = recorder(Response::Contacts, may_sleep).calls(&Stage::ALL, place);
+            for position in [
+                alone,
+                SubstepPosition::of(0, 3),
+                SubstepPosition::of(1, 3),
+                SubstepPosition::of(2, 3),
+            ] {
+                let calls = recorder(Response::Contacts, may_sleep).calls(&Stage::ALL, position);
                 add(calls, &CONTACT_SETS);
             }
         }

@@ -196,23 +196,23 @@ pub fn what_moved_since_the_step_is_seen_after_an_update() {
 
 pub fn systems_that_ask_may_write_transforms_and_run_in_parallel() {
     #[derive(Resource, Default)]
-    struct Found(Vec<Entity>);
+    struct HitEntities(Vec<Entity>);
     let mut sim = Sim::new();
     let cube = sim.mesh(&shapes::cube(1.0));
     let entity = sim.spawn((cube, Transform::default()));
-    let look = |world: SpatialQuery, mut transforms: Query<&mut Transform>, mut found: ResMut<Found>| {
+    let look = |world: SpatialQuery, mut transforms: Query<&mut Transform>, mut entities: ResMut<HitEntities>| {
         let hit = world.cast_ray(Vec3::Y * 3.0, Dir3::NEG_Y, 10.0, &SpatialQueryFilter::default());
         if let Some(hit) = hit {
-            found.0.push(hit.collider);
+            entities.0.push(hit.collider);
             transforms.get_mut(hit.collider).unwrap().translation.x += 0.125;
         }
     };
     fn also(_: SpatialQuery) {}
-    sim.world().init_resource::<Found>();
+    sim.world().init_resource::<HitEntities>();
     sim.app.add_systems(Update, (look, also));
     sim.step(6);
     // It leaves the ray's way, which starts above its middle, after half its width.
-    assert_eq!(sim.app.world().resource::<Found>().0, [entity; 5]);
+    assert_eq!(sim.app.world().resource::<HitEntities>().0, [entity; 5]);
 }
 
 pub fn invalid_rays_hit_nothing() {

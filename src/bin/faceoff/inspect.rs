@@ -63,19 +63,20 @@ struct DefectReport {
     kind: DefectKind,
     count: usize,
     /// Where the first of them are.
-    places: Vec<Place>,
+    places: Vec<DefectLocation>,
 }
 
+/// Where a defect is.
 #[derive(Serialize)]
-struct Place {
+struct DefectLocation {
     position: [f32; 3],
     /// The face, an index of the input.
     #[serde(skip_serializing_if = "Option::is_none")]
     face: Option<u32>,
 }
 
-/// The number of places that are told of each kind of defect.
-const TOLD_PLACES: usize = 5;
+/// The number of locations that are told of each kind of defect.
+const TOLD_LOCATIONS: usize = 5;
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
@@ -216,11 +217,11 @@ impl Report {
             }
         }
         for defect in &self.defects {
-            let places: Vec<String> = defect.places.iter().map(Place::text).collect();
-            let more = if defect.count > places.len() { ", .." } else { "" };
+            let locations: Vec<String> = defect.places.iter().map(DefectLocation::text).collect();
+            let more = if defect.count > locations.len() { ", .." } else { "" };
             row(
                 defect.kind.name(),
-                format!("{}, at {}{more}", defect.count, places.join(", ")),
+                format!("{}, at {}{more}", defect.count, locations.join(", ")),
             );
         }
         row("source hash", self.source_hash.clone());
@@ -231,7 +232,7 @@ impl Report {
     }
 }
 
-impl Place {
+impl DefectLocation {
     fn text(&self) -> String {
         let [x, y, z] = self.position;
         let face = self.face.map(|face| format!("face {face} ")).unwrap_or_default();
@@ -244,8 +245,8 @@ fn defect_reports(defects: &Defects) -> Vec<DefectReport> {
     let report = |kind: DefectKind| DefectReport {
         kind,
         count: defects.count(kind),
-        places: (defects.of(kind).take(TOLD_PLACES))
-            .map(|defect| Place {
+        places: (defects.of(kind).take(TOLD_LOCATIONS))
+            .map(|defect| DefectLocation {
                 position: defect.position.to_array(),
                 face: defect.face,
             })

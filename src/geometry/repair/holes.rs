@@ -55,7 +55,7 @@ struct Rim {
 }
 
 /// What already joins vertices of the boundary. Vertices of edges and faces are sorted.
-struct Joined {
+struct JoinedVertices {
     edges: HashSet<[u32; 2]>,
     faces: HashSet<[u32; 3]>,
 }
@@ -72,7 +72,7 @@ impl Surface {
         if rim.edges.is_empty() {
             return 0;
         }
-        let mut joined = Joined::of(&faces, &rim);
+        let mut joined = JoinedVertices::of(&faces, &rim);
         let left = |why: WhyLeft, hole: &[usize]| LeftHole {
             why,
             edges: hole.len(),
@@ -102,7 +102,7 @@ impl Surface {
     }
 
     /// The triangles that close a hole with these vertices, if there are any.
-    fn fill(&self, vertices: &[u32], joined: &mut Joined) -> Option<Vec<[u32; 3]>> {
+    fn fill(&self, vertices: &[u32], joined: &mut JoinedVertices) -> Option<Vec<[u32; 3]>> {
         let places: Vec<Vec3> = vertices.iter().map(|&v| self.vertices[v as usize]).collect();
         let chord = |i: usize, j: usize| {
             let [u, v] = [vertices[i], vertices[j]];
@@ -214,7 +214,7 @@ impl Surface {
     }
 }
 
-impl Joined {
+impl JoinedVertices {
     /// What joins vertices of the boundary.
     fn of(faces: &[[u32; 3]], rim: &Rim) -> Self {
         let is_boundary = |v: &u32| rim.at.contains_key(v);

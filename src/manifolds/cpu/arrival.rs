@@ -19,7 +19,7 @@ const MAX_SEARCHES: u32 = 32;
 
 /// How the colliders of a pair move as far as the solver looks ahead, in world axes; see [`Travel`](crate::state::travel::Travel).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Motion {
+pub struct PairMotion {
     /// Displacement of the second centre of mass relative to the first, metres.
     pub travel: DVec3,
     /// What gravity and external forces add to it, unless something supports the bodies.
@@ -33,13 +33,13 @@ pub struct Motion {
 /// The motion of a pair in the axes of its first body, as the features of the pair are.
 pub struct Arrival<'a> {
     pair: &'a Pair<'a>,
-    motion: Motion,
+    motion: PairMotion,
     searches: u32,
 }
 
 impl<'a> Arrival<'a> {
-    pub fn new(pair: &'a Pair<'a>, motion: &Motion) -> Self {
-        let motion = Motion {
+    pub fn new(pair: &'a Pair<'a>, motion: &PairMotion) -> Self {
+        let motion = PairMotion {
             travel: pair.to_first_axes(motion.travel),
             fall: pair.to_first_axes(motion.fall),
             turns: motion.turns.map(|turn| pair.to_first_axes(turn)),
@@ -54,7 +54,7 @@ impl<'a> Arrival<'a> {
 
     /// Whether the solver may act on a feature.
     pub fn counts(&mut self, feature: &Feature) -> bool {
-        let Motion { fall, rest_offset, .. } = self.motion;
+        let PairMotion { fall, rest_offset, .. } = self.motion;
         if feature.separation <= rest_offset || self.is_round(feature) {
             return true;
         }

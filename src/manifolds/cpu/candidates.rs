@@ -8,10 +8,10 @@
 use super::crossing::Crossings;
 use super::eight::GapPair;
 use super::feature::{ARC, BELOW, OUTSIDE, PARALLEL, TrianglePair};
-use super::near::{NOT_LISTED, NearTriangles};
 #[cfg(test)]
-use super::parts;
-use super::parts::{CROSSING, Part, Parts};
+use super::feature_bits;
+use super::feature_bits::{CROSSING, FeatureBit, FeatureBits};
+use super::near::{NOT_LISTED, NearTriangles};
 use super::search::{Search, Slack};
 use super::side::{Side, Triangle};
 use crate::simd::lanes::bits;
@@ -26,7 +26,7 @@ pub const FRACTIONS: [f64; 3] = [1.0 / 16.0, 1.0 / 4.0, 1.0];
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
     /// Triangles of the first and of the second body.
-    triangles: [Vec<Listed>; 2],
+    triangles: [Vec<CandidateTriangle>; 2],
     pairs: Vec<Candidate>,
     /// Triangles that may have features between nearest points, by their numbers, with lower bounds of their distances when
     /// they were found.
@@ -47,7 +47,7 @@ fn shrink<T>(list: &mut Vec<T>, used: usize) {
 
 /// A triangle of candidates.
 #[derive(Clone, Copy, Debug)]
-struct Listed {
+struct CandidateTriangle {
     number: u32,
     /// The smallest of [`FRACTIONS`] within which it may have anything, as an index.
     first: u8,
@@ -59,7 +59,7 @@ struct Candidate {
     /// Indices into [`Candidates::triangles`].
     triangles: [u32; 2],
     /// What the two may have after a motion within each of the [`FRACTIONS`] of the slack.
-    parts: [Parts; FRACTIONS.len()],
+    feature_bits: [FeatureBits; FRACTIONS.len()],
 }
 
 impl Candidates {
@@ -78,7 +78,7 @@ impl Candidates {
         sides: &[Side; 2],
         search: &Search,
         crossings: &mut Crossings,
-        mut found: impl FnMut(&TrianglePair, Parts),
+        mut found: impl FnMut(&TrianglePair, FeatureBits),
     ) {
         self.clear();
         let Self {
@@ -92,7 +92,7 @@ impl Candidates {
             sides,
             #[inline(always)]
             |triangles, near, [first, second]| {
-                let features = near.parts & !CROSSING;
+                let features = near.feature_bits & !CROSSING;
                 let pair = match features {
                     0 => None,
                     _ => TrianglePair::new(sides, triangles, search.reach + slack.distance),
@@ -101,12 +101,12 @@ impl Candidates {
                     if let Some(pair) = &pair {
                         found(pair, features);
                     }
-                    if near.parts & CROSSING != 0 {
+                    if near.feature_bits & CROSSING != 0 {
                         crossings.push(near.triangles);
                     }
                     return;
                 }
-                let mut parts = [0; FRACTIONS.len()];
+                let mut feature_bits = [0; FRACTIONS.len()];
                 let (mut features, mut closest) = (features, FRACTIONS.len());
                 for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
                     let slack = slack * fraction;
@@ -115,28 +115,28 @@ impl Candidates {
                         None => 0,
                     };
                     let crosses = f64::from(near.gap) <= slack.distance;
-                    let possible = features | if crosses { near.parts & CROSSING } else { 0 };
+                    let possible = features | if crosses { near.feature_bits & CROSSING } else { 0 };
                     if possible == 0 {
                         break;
                     }
-                    (parts[i], closest) = (possible, i);
+                    (feature_bits[i], closest) = (possible, i);
                 }
                 if closest == FRACTIONS.len() {
                     return;
                 }
-                for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
-                    *may_cross |= parts & CROSSING != 0;
+                for (may_cross, feature_bits) in may_cross.iter_mut().zip(feature_bits) {
+                    *may_cross |= feature_bits & CROSSING != 0;
                 }
                 if let Some(pair) = pair.filter(|pair| features != 0 && pair.is_within(search.reach)) {
                     found(&pair, features);
                 }
-                if parts[0] & CROSSING != 0 {
+                if feature_bits[0] & CROSSING != 0 {
                     crossings.push(near.triangles);
                 }
-                let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
+                let listed = |index: &mut u32, list: &mut Vec<CandidateTriangle>, triangle: &Triangle| {
                     if *index == NOT_LISTED {
                         *index = list.len() as u32;
-                        list.push(Listed {
+                        list.push(CandidateTriangle {
                             number: triangle.number,
                             first: closest as u8,
                         });
@@ -150,7 +150,7 @@ impl Candidates {
                         listed(first, firsts, triangles[0]),
                         listed(second, seconds, triangles[1]),
                     ],
-                    parts,
+                    feature_bits,
                 });
             },
         );
@@ -182,7 +182,7 @@ impl Candidates {
         fraction: usize,
         reach: f64,
         crossings: &mut Crossings,
-        mut found: impl FnMut(&TrianglePair, Parts),
+        mut found: impl FnMut(&TrianglePair, FeatureBits),
     ) {
         for ((placed, listed), side) in placed.iter_mut().zip(&self.triangles).zip(sides) {
             // Triangles that are not needed keep what is there.
@@ -194,17 +194,17 @@ impl Candidates {
             }
         }
         for candidate in &self.pairs {
-            let parts = candidate.parts[fraction];
-            if parts & CROSSING != 0 {
+            let feature_bits = candidate.feature_bits[fraction];
+            if feature_bits & CROSSING != 0 {
                 crossings.push(candidate.triangles);
             }
-            if parts & !CROSSING == 0 {
+            if feature_bits & !CROSSING == 0 {
                 continue;
             }
             let [i, j] = candidate.triangles;
             let triangles = [&placed[0][i as usize], &placed[1][j as usize]];
             if let Some(pair) = TrianglePair::new(sides, triangles, reach) {
-                found(&pair, parts & !CROSSING);
+                found(&pair, feature_bits & !CROSSING);
             }
         }
     }
@@ -213,20 +213,20 @@ impl Candidates {
 impl TrianglePair<'_> {
     /// All features that the triangles own.
     #[cfg(test)]
-    pub fn owned_features(&self) -> Parts {
+    pub fn owned_features(&self) -> FeatureBits {
         let owned = [0, 1].map(|i| self.sides[i].features.owned[self.triangles[i].number as usize]);
-        parts::owned_features(owned.map(|owned| parts::FACE_BIT | owned))
+        feature_bits::owned_features(owned.map(|owned| feature_bits::FACE_BIT | owned))
     }
 
     /// The features among `may_have` that the triangles may have, with a separation in `range`, after a motion within
     /// the slack.
-    fn possible_features(&self, range: &RangeInclusive<f64>, slack: Slack, may_have: Parts) -> Parts {
+    fn possible_features(&self, range: &RangeInclusive<f64>, slack: Slack, may_have: FeatureBits) -> FeatureBits {
         let most = (range.start().abs().max(range.end().abs()) + slack.distance) * (1.0 + 1.0e-9);
-        let possible = bits(u32::from(may_have)).filter(|&bit| match Part::of(bit) {
-            Part::Vertex { side, k } => self.may_have_vertex(side, k, range, slack),
-            Part::Edges(edges) => self.may_have_edges(edges, most, slack.rotation),
+        let possible = bits(u32::from(may_have)).filter(|&bit| match FeatureBit::of(bit) {
+            FeatureBit::Vertex { side, k } => self.may_have_vertex(side, k, range, slack),
+            FeatureBit::Edges(edges) => self.may_have_edges(edges, most, slack.rotation),
         });
-        possible.fold(0, |parts, bit| parts | 1 << bit)
+        possible.fold(0, |feature_bits, bit| feature_bits | 1 << bit)
     }
 
     /// The conditions of a vertex-face feature, each widened by the slack. The vertex moves relative to the face by at

@@ -3,7 +3,7 @@
 use super::crossing::{Key, Segment};
 use super::feature::Feature;
 use super::rim::{Rim, RimEnd};
-use super::search::{Place, Window};
+use super::search::{SearchRegion, Window};
 use super::side::Side;
 use crate::geometry::union_find::UnionFind;
 use glam::DVec3;
@@ -193,12 +193,12 @@ impl Contours {
     /// from the feature's middle.
     pub fn window(&self, half: f64) -> Window {
         let shallow = self.patches.iter().filter(|patch| !patch.too_deep);
-        let places = shallow.map(|patch| Place {
+        let regions = shallow.map(|patch| SearchRegion {
             center: patch.center.as_vec3(),
             radius: (patch.reach + half) as f32,
             normal: patch.normal.as_vec3(),
         });
-        Window::new(places, MIN_AGREEMENT)
+        Window::new(regions, MIN_AGREEMENT)
     }
 }
 

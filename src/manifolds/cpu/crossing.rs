@@ -83,7 +83,7 @@ impl Crossings {
                 [&triangles[0][i as usize], &triangles[1][j as usize]]
             };
             let pairs = [pair(0), pair(1), pair(2), pair(3)];
-            let crossed = Crossed::new(simd, &pairs, rounding);
+            let crossed = FourCrossings::new(simd, &pairs, rounding);
             for lane in bits(crossed.lanes & ((1 << some.len()) - 1)) {
                 segments.push(crossed.segment(sides, pairs[lane], lane));
             }
@@ -92,14 +92,14 @@ impl Crossings {
 }
 
 /// Four triangles.
-struct Four<S: Simd> {
+struct FourTriangles<S: Simd> {
     corners: [DPoints<S>; 3],
     normal: DPoints<S>,
     /// For each edge, whether it is followed from its second corner.
     backward: [mask64x4<S>; 3],
 }
 
-impl<S: Simd> Four<S> {
+impl<S: Simd> FourTriangles<S> {
     #[inline(always)]
     fn new(simd: S, four: [&Triangle; 4]) -> Self {
         let [a, b, c, d] = four;
@@ -136,7 +136,7 @@ struct Chord<S: Simd> {
 impl<S: Simd> Chord<S> {
     /// `heights` are those over the other planes, `above` tells which count as above. They are not all on one side.
     #[inline(always)]
-    fn new(four: &Four<S>, heights: &[f64x4<S>; 3], above: &[mask64x4<S>; 3], line: DPoints<S>) -> Self {
+    fn new(four: &FourTriangles<S>, heights: &[f64x4<S>; 3], above: &[mask64x4<S>; 3], line: DPoints<S>) -> Self {
         let third = !(above[0] ^ above[1]);
         let second = !(above[0] ^ above[2]) & !third;
         let [p, q, r] = four.corners;
@@ -189,7 +189,7 @@ fn crossing<S: Simd>([p, q]: [DPoints<S>; 2], [hp, hq]: [f64x4<S>; 2], backward:
 }
 
 /// Four pairs of triangles that may cross.
-struct Crossed<S: Simd> {
+struct FourCrossings<S: Simd> {
     /// Lanes in which they cross.
     lanes: u32,
     ends: [DPoints<S>; 2],
@@ -198,12 +198,12 @@ struct Crossed<S: Simd> {
     chords: [Chord<S>; 2],
 }
 
-impl<S: Simd> Crossed<S> {
+impl<S: Simd> FourCrossings<S> {
     #[inline(always)]
     fn new(simd: S, pairs: &[[&Triangle; 2]; 4], rounding: f64) -> Self {
         let [p, q, r, s] = pairs;
-        let a = Four::new(simd, [p[0], q[0], r[0], s[0]]);
-        let b = Four::new(simd, [p[1], q[1], r[1], s[1]]);
+        let a = FourTriangles::new(simd, [p[0], q[0], r[0], s[0]]);
+        let b = FourTriangles::new(simd, [p[1], q[1], r[1], s[1]]);
         let heights_a = heights(&a.corners, b.corners[0], b.normal);
         let heights_b = heights(&b.corners, a.corners[0], a.normal);
         let tie = f64x4::splat(simd, rounding);
@@ -255,7 +255,7 @@ impl<S: Simd> Crossed<S> {
 
 /// Lanes in which the boxes of two triangles are no farther apart than `distance` along any axis, up to rounding.
 #[inline(always)]
-fn boxes_are_within<S: Simd>(a: &Four<S>, b: &Four<S>, distance: f64) -> mask64x4<S> {
+fn boxes_are_within<S: Simd>(a: &FourTriangles<S>, b: &FourTriangles<S>, distance: f64) -> mask64x4<S> {
     let ([low_a, high_a], [low_b, high_b]) = (a.boxes(), b.boxes());
     let error = largest(abs(low_a)) + largest(abs(low_b));
     let gap = largest(max(sub(low_a, high_b), sub(low_b, high_a)));

@@ -2,7 +2,7 @@
 //! conditions are widened by the slack and by bounds of the rounding errors.
 
 use super::feature::BELOW;
-use super::parts::{CROSSING, Part, Parts};
+use super::feature_bits::{CROSSING, FeatureBit, FeatureBits};
 use super::precision::ANY_TILT;
 use super::search::Limits;
 use super::small_triangle::{EightTriangles, SmallTriangle};
@@ -63,7 +63,7 @@ struct Task {
 pub struct SmallPair {
     /// As indices into the triangles of the first and of the second body.
     pub triangles: [u32; 2],
-    pub parts: Parts,
+    pub feature_bits: FeatureBits,
     /// Lower bound of their distance, if they may cross.
     pub gap: f32,
 }
@@ -87,7 +87,7 @@ impl Narrowing {
         if limits.has_slack {
             self.narrow_crossings(simd, triangles, pairs, limits);
         }
-        pairs.retain(|pair| pair.parts != 0);
+        pairs.retain(|pair| pair.feature_bits != 0);
     }
 
     #[inline(always)]
@@ -102,14 +102,14 @@ impl Narrowing {
         vertices.clear();
         edges.clear();
         for (number, pair) in (0..).zip(pairs.iter_mut()) {
-            for bit in bits(u32::from(pair.parts & !CROSSING)) {
+            for bit in bits(u32::from(pair.feature_bits & !CROSSING)) {
                 let tasks = if bit < 6 { &mut *vertices } else { &mut *edges };
                 tasks.push(Task {
                     pair: number,
                     bit: bit as u32,
                 });
             }
-            pair.parts &= CROSSING;
+            pair.feature_bits &= CROSSING;
         }
         for tasks in vertices.chunks(8) {
             let eight = eight_of(tasks);
@@ -132,7 +132,7 @@ impl Narrowing {
         limits: &Limits,
     ) {
         self.crossings.clear();
-        let may_cross = (0..).zip(&*pairs).filter(|(_, pair)| pair.parts & CROSSING != 0);
+        let may_cross = (0..).zip(&*pairs).filter(|(_, pair)| pair.feature_bits & CROSSING != 0);
         self.crossings.extend(may_cross.map(|(number, _)| number));
         for numbers in self.crossings.chunks(8) {
             let eight = eight_of(numbers);
@@ -143,7 +143,7 @@ impl Narrowing {
                 // Coordinates beyond single precision may give NaN.
                 pair.gap = if gap.is_nan() { 0.0 } else { gap };
                 if pair.gap > limits.crossing {
-                    pair.parts &= !CROSSING;
+                    pair.feature_bits &= !CROSSING;
                 }
             }
         }
@@ -161,7 +161,7 @@ pub fn eight_of<T>(some: &[T]) -> [&T; 8] {
 fn add_parts(pairs: &mut [SmallPair], tasks: [&Task; 8], lanes: u32) {
     for lane in bits(lanes) {
         let Task { pair, bit } = tasks[lane];
-        pairs[*pair as usize].parts |= 1 << bit;
+        pairs[*pair as usize].feature_bits |= 1 << bit;
     }
 }
 
@@ -190,7 +190,7 @@ struct Corner<'a> {
 impl<'a> Corner<'a> {
     #[inline(always)]
     fn new(task: &Task, triangles: [&'a [SmallTriangle]; 2], pairs: &[SmallPair]) -> Self {
-        let Part::Vertex { side, k } = Part::of(task.bit as usize) else {
+        let FeatureBit::Vertex { side, k } = FeatureBit::of(task.bit as usize) else {
             unreachable!("a feature of a vertex");
         };
         let triangles = task.triangles(triangles, pairs);
@@ -206,7 +206,7 @@ impl<'a> Corner<'a> {
 #[inline(always)]
 fn ends_of_edges<'a>(task: &Task, triangles: [&'a [SmallTriangle]; 2], pairs: &[SmallPair]) -> [[&'a [f32; 4]; 2]; 2] {
     let [first, second] = task.triangles(triangles, pairs);
-    let Part::Edges([k, l]) = Part::of(task.bit as usize) else {
+    let FeatureBit::Edges([k, l]) = FeatureBit::of(task.bit as usize) else {
         unreachable!("a feature of edges");
     };
     [first.edge(k), second.edge(l)]

@@ -1,6 +1,6 @@
 //! Contact features: vertex-face and edge-edge.
 
-use super::parts::{CROSSING, Part, Parts};
+use super::feature_bits::{CROSSING, FeatureBit, FeatureBits};
 use super::side::{Side, Triangle};
 use crate::simd::lanes::{bits, each};
 use glam::DVec3;
@@ -105,15 +105,15 @@ impl<'a> TrianglePair<'a> {
 
     /// Calls `found` for each of these features that exists and whose separation is in `range`.
     #[inline]
-    pub fn features(&self, range: &RangeInclusive<f64>, parts: Parts, mut found: impl FnMut(Feature)) {
-        for bit in bits(u32::from(parts & !CROSSING)) {
-            match Part::of(bit) {
-                Part::Vertex { side, k } => {
+    pub fn features(&self, range: &RangeInclusive<f64>, feature_bits: FeatureBits, mut found: impl FnMut(Feature)) {
+        for bit in bits(u32::from(feature_bits & !CROSSING)) {
+            match FeatureBit::of(bit) {
+                FeatureBit::Vertex { side, k } => {
                     if range.contains(&self.heights[side][k]) {
                         self.vertex(side, k).map(&mut found);
                     }
                 }
-                Part::Edges(edges) => {
+                FeatureBit::Edges(edges) => {
                     self.edges(edges, range).map(&mut found);
                 }
             }

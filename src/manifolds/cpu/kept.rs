@@ -1,9 +1,9 @@
 //! What a pair keeps from one call to the next: its candidates, and the pose in which they were found.
 
 use super::candidates::{Candidates, FRACTIONS};
-use super::moved::Found;
+use super::moved::CachedPoints;
 use super::pair::Pair;
-use super::search::{Search, Slack, Wanted, Window};
+use super::search::{FeatureQuery, Search, Slack, Window};
 use crate::geometry::features::MeshFeatures;
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::{Arc, Weak};
@@ -37,7 +37,7 @@ pub struct Kept {
     /// Neither body contained the other in the pose in which `near` was found, and surfaces did not cross.
     pub was_apart: bool,
     /// The contact points, for the later collision substeps of the same step.
-    pub found: Found,
+    pub points: CachedPoints,
 }
 
 /// Candidates with the motion in which they are valid.
@@ -56,7 +56,7 @@ pub struct KeptCandidates {
     /// Number of times that the candidates were used.
     uses: u32,
     /// The searches since memory was last returned.
-    recent: Recent,
+    recent_searches: RecentSearches,
     /// Whether the last search was worth more than one thread.
     pub is_large: bool,
 }
@@ -71,7 +71,7 @@ pub enum Source {
 
 /// Searches of a pair.
 #[derive(Clone, Copy, Debug, Default)]
-struct Recent {
+struct RecentSearches {
     searches: u32,
     /// Most candidates of one of them.
     most: usize,
@@ -96,7 +96,7 @@ impl Kept {
                 share.clear();
                 share.shrink(0);
             }
-            kept.recent = Recent::default();
+            kept.recent_searches = RecentSearches::default();
         }
     }
 
@@ -125,7 +125,7 @@ impl Kept {
     }
 
     fn begin(&mut self, slack_limit: Option<f64>) {
-        self.found.clear();
+        self.points.clear();
         for kept in [&mut self.near, &mut self.deep] {
             (kept.found_at, kept.slack_limit, kept.is_large) = (None, slack_limit, false);
         }
@@ -173,42 +173,42 @@ fn arm(pair: &Pair, reach: f64) -> f64 {
 }
 
 impl KeptCandidates {
-    /// How to find the candidates for `wanted`. Those that a new search finds are then kept here.
-    pub fn source(&mut self, pair: &Pair, wanted: &Wanted) -> Source {
+    /// How to find the candidates for `query`. Those that a new search finds are then kept here.
+    pub fn source(&mut self, pair: &Pair, query: &FeatureQuery) -> Source {
         let motion = self.motion_to(pair);
         if let Some(motion) = motion
-            && let Some(fraction) = self.fraction(wanted, motion)
+            && let Some(fraction) = self.fraction(query, motion)
         {
             self.uses += 1;
             return Source::Kept { fraction, motion };
         }
-        let distance = self.next_slack(pair, wanted.margin, motion);
+        let distance = self.next_slack(pair, query.margin, motion);
         let slack = Slack {
             distance,
-            rotation: distance / arm(pair, wanted.margin + distance),
+            rotation: distance / arm(pair, query.margin + distance),
         };
         // The patches change, too.
-        let window = wanted.window.map(|window| window.grown(2.0 * distance, 0.0));
+        let window = query.window.map(|window| window.grown(2.0 * distance, 0.0));
         self.found_at = Some(RelativePose::of(pair));
-        (self.slack, self.margin, self.window, self.uses) = (slack, wanted.margin, window, 0);
+        (self.slack, self.margin, self.window, self.uses) = (slack, query.margin, window, 0);
         Source::Search(Search {
-            range: wanted.range.clone(),
-            reach: wanted.reach,
+            range: query.range.clone(),
+            reach: query.reach,
             slack,
             crossings: window.is_none(),
             window: window.map(|window| window.grown(distance, slack.rotation)),
         })
     }
 
-    /// Index of the smallest of [`FRACTIONS`] of the slack with which all candidates for `wanted` are among these after
+    /// Index of the smallest of [`FRACTIONS`] of the slack with which all candidates for `query` are among these after
     /// this motion.
-    fn fraction(&self, wanted: &Wanted, motion: f64) -> Option<usize> {
-        let is_covered = match (&wanted.window, &self.window) {
+    fn fraction(&self, query: &FeatureQuery, motion: f64) -> Option<usize> {
+        let is_covered = match (&query.window, &self.window) {
             (Some(now), Some(then)) => now.is_within(then),
             _ => true,
         };
         // A wider margin is like a motion.
-        let needed = motion + (wanted.margin - self.margin).max(0.0);
+        let needed = motion + (query.margin - self.margin).max(0.0);
         let fraction = self.fraction_of(needed).filter(|_| is_covered);
         fraction.filter(|&fraction| fraction == 0 || self.uses < CALLS_TO_REST)
     }
@@ -276,12 +276,12 @@ impl KeptCandidates {
             };
         } else {
             // Some lists are long in every other search only.
-            self.recent.most = self.recent.most.max(self.len());
-            self.recent.searches += 1;
-            if self.recent.searches == SEARCHES {
-                let most = self.recent.most;
+            self.recent_searches.most = self.recent_searches.most.max(self.len());
+            self.recent_searches.searches += 1;
+            if self.recent_searches.searches == SEARCHES {
+                let most = self.recent_searches.most;
                 self.shares.iter_mut().for_each(|share| share.shrink(most));
-                self.recent = Recent::default();
+                self.recent_searches = RecentSearches::default();
             }
         }
     }

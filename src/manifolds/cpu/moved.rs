@@ -24,7 +24,7 @@ pub struct Reuse {
 
 /// The contact points of a pair, and when and where they were found.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
+pub struct CachedPoints {
     points: Vec<ManifoldPoint>,
     /// The deepest overlap, metres.
     depth: f32,
@@ -56,7 +56,7 @@ impl Poses {
     }
 }
 
-impl Found {
+impl CachedPoints {
     /// Forgets the points and keeps their memory.
     pub fn clear(&mut self) {
         self.at = None;
@@ -122,7 +122,7 @@ mod tests {
     use crate::asset::CollisionMesh;
     use crate::geometry::shapes;
     use crate::manifolds::MarginPair;
-    use crate::manifolds::cpu::{Kept, Wanted, add_points};
+    use crate::manifolds::cpu::{Kept, PairRequest, add_points};
     use crate::state::Body;
     use crate::state::mesh_arena::MeshArena;
     use crate::testing::scenes::any_vector;
@@ -138,7 +138,7 @@ mod tests {
                 .push(&Body::at_rest(mesh, *at, *turn, Vec3::ONE), meshes)
                 .unwrap();
         }
-        let wanted = Wanted {
+        let request = PairRequest {
             pair: MarginPair {
                 bodies: [0, 1],
                 margin: MARGIN,
@@ -148,7 +148,7 @@ mod tests {
         };
         let mut points = Vec::new();
         assert!(pair_of_bodies(&bodies, meshes, [0, 1]).is_some());
-        add_points(&bodies, meshes, &wanted, &mut Worker::default(), kept, 1, &mut points);
+        add_points(&bodies, meshes, &request, &mut Worker::default(), kept, 1, &mut points);
         points
     }
 

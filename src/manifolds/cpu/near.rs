@@ -1,10 +1,10 @@
 //! Pairs of triangles that are near each other, of pairs of clusters that are.
 
-use super::boxed::BoxedPairs;
 use super::eight::{GapPair, Narrowing, SmallPair, eight_of, set_gaps};
+use super::feature_bits::{CORNER_BITS, EDGE_BITS, owned_features};
+use super::near_box_pairs::NearBoxPairs;
 use super::near_clusters::NearClusters;
 use super::near_lanes::NearLanes;
-use super::parts::{CORNER_BITS, EDGE_BITS, owned_features};
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
 use super::search::{Limits, Search};
 use super::side::{Side, Triangle};
@@ -23,7 +23,7 @@ pub struct NearTriangles {
     /// Clusters of the second body, each with a lane of a cluster of the first that may be near: eight times the index of the
     /// cluster plus the lane.
     rows: Vec<u32>,
-    boxed: BoxedPairs,
+    box_pairs: NearBoxPairs,
     pairs: Vec<SmallPair>,
     /// Triangles that may have features between nearest points.
     nearest: Vec<GapPair>,
@@ -60,7 +60,7 @@ impl NearTriangles {
         let Self {
             firsts,
             rows,
-            boxed,
+            box_pairs,
             pairs,
             nearest,
             narrowing,
@@ -69,7 +69,7 @@ impl NearTriangles {
             ..
         } = self;
         firsts.clear();
-        boxed.clear();
+        box_pairs.clear();
         pairs.clear();
         nearest.clear();
         let mut limits = Limits::new(search, size);
@@ -99,15 +99,15 @@ impl NearTriangles {
             for &row in &*rows {
                 let (other, i) = (row as usize / CLUSTER, row as usize % CLUSTER);
                 let near = a.near_boxes(simd, i, &seconds[other], &limits);
-                boxed.add(first + i as u32, (CLUSTER * other) as u32, near);
-                boxed.take_if_full(
+                box_pairs.add(first + i as u32, (CLUSTER * other) as u32, near);
+                box_pairs.take_if_full(
                     #[inline(always)]
                     |full| add_near(simd, [firsts, triangles_b], full, search, &limits, pairs, nearest),
                 );
             }
         }
         let triangles = [&firsts[..], triangles_b];
-        add_near(simd, triangles, boxed.all(), search, &limits, pairs, nearest);
+        add_near(simd, triangles, box_pairs.all(), search, &limits, pairs, nearest);
         let triangles = triangles.map(<[_]>::as_flattened);
         narrowing.run(simd, triangles, pairs, one_sided, &limits);
         // The pairs get the indices of their triangles in the lists of remaining triangles.
@@ -188,20 +188,20 @@ impl NearTriangles {
 fn add_near<S: Simd>(
     simd: S,
     triangles: [&[[SmallTriangle; CLUSTER]]; 2],
-    boxed: &[[u32; 2]],
+    box_pairs: &[[u32; 2]],
     search: &Search,
     limits: &Limits,
     pairs: &mut Vec<SmallPair>,
     nearest: &mut Vec<GapPair>,
 ) {
     let [firsts, seconds] = triangles.map(<[_]>::as_flattened);
-    let (groups, rest) = boxed.as_chunks();
+    let (groups, rest) = box_pairs.as_chunks();
     let last = (!rest.is_empty()).then(|| eight_of(rest).map(|pair| *pair));
     for (number, eight) in groups.iter().chain(&last).enumerate() {
         let a = EightTriangles::gather(simd, each_lane(|lane| &firsts[eight[lane][0] as usize]));
         let b = EightTriangles::gather(simd, each_lane(|lane| &seconds[eight[lane][1] as usize]));
         let near = NearLanes::of([&a, &b], search.crossings, limits);
-        let count = CLUSTER.min(boxed.len() - CLUSTER * number);
+        let count = CLUSTER.min(box_pairs.len() - CLUSTER * number);
         let used = (1u32 << count) - 1;
         let (nearest_lanes, nearest_set) = (set_lanes(near.nearest & used), near.nearest & used);
         let pair = each_lane(|k| {
@@ -221,7 +221,7 @@ fn add_near<S: Simd>(
             let [i, j] = eight[lane];
             SmallPair {
                 triangles: [i, j],
-                parts: near.crossing_part(lane),
+                feature_bits: near.crossing_bit(lane),
                 gap: 0.0,
             }
         });
@@ -230,7 +230,7 @@ fn add_near<S: Simd>(
             let [i, j] = eight[lane].map(|at| at as usize);
             let owned = owned_features([firsts[i].owned, seconds[j].owned]);
             let earlier = found & ((1 << lane) - 1);
-            pairs[before + earlier.count_ones() as usize].parts |= near.feature_parts(lane) & owned;
+            pairs[before + earlier.count_ones() as usize].feature_bits |= near.feature_bits(lane) & owned;
         }
     }
 }
@@ -242,7 +242,7 @@ pub(super) mod tests {
     use super::super::feature::{Feature, TrianglePair};
     use super::super::pair::{Pair, ROUNDING};
     use super::super::pair_of_bodies;
-    use super::super::search::{Place, Slack, Window};
+    use super::super::search::{SearchRegion, Slack, Window};
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
@@ -291,12 +291,18 @@ pub(super) mod tests {
         clusters.run(sides, &pair.pose, &search);
         near.run(sides, pair.pose.size, &search, &clusters, 0..usize::MAX);
         let (mut found, mut kept) = (Vec::new(), Vec::new());
-        candidates.select(&mut near, sides, &search, &mut Crossings::default(), |pair, parts| {
-            pair.features(&search.range, parts, |feature| found.push(feature.middle()));
-        });
+        candidates.select(
+            &mut near,
+            sides,
+            &search,
+            &mut Crossings::default(),
+            |pair, feature_bits| {
+                pair.features(&search.range, feature_bits, |feature| found.push(feature.middle()));
+            },
+        );
         let (mut placed, mut crossings) = Default::default();
-        candidates.for_each(sides, &mut placed, 0, reach, &mut crossings, |pair, parts| {
-            pair.features(&search.range, parts, |feature| kept.push(feature.middle()));
+        candidates.for_each(sides, &mut placed, 0, reach, &mut crossings, |pair, feature_bits| {
+            pair.features(&search.range, feature_bits, |feature| kept.push(feature.middle()));
         });
         [sorted(found), sorted(kept)]
     }
@@ -411,15 +417,15 @@ pub(super) mod tests {
             &pair.sides,
             search,
             &mut Crossings::default(),
-            |pair, parts| {
-                pair.features(&search.range, parts, |feature| found.push(feature));
+            |pair, feature_bits| {
+                pair.features(&search.range, feature_bits, |feature| found.push(feature));
             },
         );
         found
     }
 
     #[test]
-    fn a_window_loses_no_feature_near_its_places_with_their_normals() {
+    fn a_window_loses_no_feature_near_its_regions_with_their_normals() {
         const REACH: f64 = 0.3;
         const AGREEMENT: f64 = 0.7;
         let mut random = fastrand::Rng::with_seed(5);
@@ -436,26 +442,26 @@ pub(super) mod tests {
             if all.is_empty() {
                 return;
             }
-            let places: Vec<Place> = (0..random.usize(1..7))
+            let regions: Vec<SearchRegion> = (0..random.usize(1..7))
                 .map(|_| {
                     let one = &all[random.usize(..all.len())];
                     let aside = any_vector(&mut || random.f32());
-                    Place {
+                    SearchRegion {
                         center: one.middle().as_vec3() + 0.1 * aside,
                         radius: 0.15 + 0.3 * random.f32(),
                         normal: (one.normal.as_vec3() + 0.5 * aside).normalize(),
                     }
                 })
                 .collect();
-            let window = Window::new(places.iter().copied(), AGREEMENT);
+            let window = Window::new(regions.iter().copied(), AGREEMENT);
             let one_sided = pair.sides.iter().all(|side| side.features.one_sided.all());
             search.window = Some(if one_sided { window } else { window.without_normals() });
             let found: Vec<String> = searched(pair, &search).iter().map(|f| format!("{f:?}")).collect();
             let is_wanted = |feature: &&Feature| {
-                places.iter().any(|place| {
-                    let radius = f64::from(place.radius) - 0.5 * REACH;
-                    feature.middle().distance(place.center.as_dvec3()) < radius
-                        && feature.normal.dot(place.normal.as_dvec3()) > AGREEMENT
+                regions.iter().any(|region| {
+                    let radius = f64::from(region.radius) - 0.5 * REACH;
+                    feature.middle().distance(region.center.as_dvec3()) < radius
+                        && feature.normal.dot(region.normal.as_dvec3()) > AGREEMENT
                 })
             };
             for feature in all.iter().filter(is_wanted) {

@@ -4,7 +4,7 @@
 //! have a feature. A vertex lies over a face only if the two overlap when projected along the face's normal. Edges form
 //! a feature only if their faces point at each other. Pairs that can neither have a feature nor cross are dropped here.
 
-use super::parts::{CROSSING, Parts, corner_parts, edge_parts};
+use super::feature_bits::{CROSSING, FeatureBits, corner_features, edge_features};
 use super::precision::AROUND_ERROR;
 use super::search::Limits;
 use super::small_triangle::EightTriangles;
@@ -76,12 +76,12 @@ impl NearLanes {
             // Most triangles that cross have no feature.
             return found;
         }
-        let mut parts = [0xff; 3];
+        let mut near_features = [0xff; 3];
         // With a narrow reach, triangles that neither plane separates are next to each other in all directions.
         if limits.reach > WIDE * limits.crossing {
-            parts = may_have_features([a, b], directions, limits);
+            near_features = may_have_features([a, b], directions, limits);
         }
-        let [first, second, near_edges] = parts;
+        let [first, second, near_edges] = near_features;
         found.corners = [each(|k| corners[0][k] & first), each(|k| corners[1][k] & second)];
         let edges = edges & near_edges;
         found.edges = [over_b.edges(far, edges), over_a.edges(far, edges)];
@@ -99,18 +99,18 @@ impl NearLanes {
 
     /// [`CROSSING`] if the pair in this lane may cross.
     #[inline(always)]
-    pub fn crossing_part(&self, lane: usize) -> Parts {
-        ((self.crossing >> lane & 1) * u32::from(CROSSING)) as Parts
+    pub fn crossing_bit(&self, lane: usize) -> FeatureBits {
+        ((self.crossing >> lane & 1) * u32::from(CROSSING)) as FeatureBits
     }
 
     /// The features that the pair in this lane may have.
     #[inline(always)]
-    pub fn feature_parts(&self, lane: usize) -> Parts {
+    pub fn feature_bits(&self, lane: usize) -> FeatureBits {
         let bit = |lanes: u32| lanes >> lane & 1;
         let set = |[p, q, r]: [u32; 3]| bit(p) | bit(q) << 1 | bit(r) << 2;
         let [first, second] = self.corners;
         let [own, other] = self.edges;
-        corner_parts([set(first), set(second)]) | edge_parts([set(own), set(other)])
+        corner_features([set(first), set(second)]) | edge_features([set(own), set(other)])
     }
 }
 

@@ -42,12 +42,12 @@ struct Edge<'a> {
 
 /// By how much the conditions are wider, see [`Slack`].
 #[derive(Clone, Copy)]
-struct Wider {
+struct Allowance {
     slack: Slack,
     rounding: f64,
 }
 
-impl Wider {
+impl Allowance {
     /// Bound of the change of a unit vector's product with the way between two points.
     fn of_way(&self, way: f64) -> f64 {
         self.slack.distance + self.slack.rotation * (way + self.slack.distance) + self.rounding
@@ -71,14 +71,14 @@ impl<'a> Corner<'a> {
     }
 
     /// Whether none of its edges leads nearer to the end of this way from it.
-    fn faces(&self, way: DVec3, wider: &Wider) -> bool {
+    fn faces(&self, way: DVec3, allowance: &Allowance) -> bool {
         let length = way.length();
-        let own = wider.of_way(length);
+        let own = allowance.of_way(length);
         let features = self.side.features;
         features.neighbors_of(self.vertex).iter().all(|&neighbor| {
             let edge = self.side.vertex(neighbor) - self.at;
             let of_edge = edge.length();
-            edge.dot(way) <= of_edge * (own + Wider::outside(length, of_edge))
+            edge.dot(way) <= of_edge * (own + Allowance::outside(length, of_edge))
         })
     }
 
@@ -126,18 +126,18 @@ impl<'a> Edge<'a> {
     }
 
     /// Whether none of its faces leads nearer to the end of this way, to another edge.
-    fn faces(&self, way: DVec3, wider: &Wider) -> bool {
-        let most = wider.of_way(way.length());
+    fn faces(&self, way: DVec3, allowance: &Allowance) -> bool {
+        let most = allowance.of_way(way.length());
         self.inward().iter().all(|inward| inward.dot(way) <= most)
     }
 
     /// Whether the end of this way, a corner, lies beside all of its faces.
-    fn is_outside(&self, way: DVec3, wider: &Wider) -> bool {
+    fn is_outside(&self, way: DVec3, allowance: &Allowance) -> bool {
         let length = way.length();
-        let most = if wider.slack.distance > 0.0 {
-            wider.of_way(length)
+        let most = if allowance.slack.distance > 0.0 {
+            allowance.of_way(length)
         } else {
-            -Wider::outside(length, self.square.sqrt())
+            -Allowance::outside(length, self.square.sqrt())
         };
         self.inward().iter().all(|inward| inward.dot(way) <= most)
     }
@@ -148,15 +148,15 @@ impl<'a> Edge<'a> {
 }
 
 /// Two points, and a direction that separates them if they touch.
-struct Points {
+struct SeparatedPoints {
     points: [DVec3; 2],
     outward: DVec3,
     origin: Origin,
 }
 
 /// The direction that separates two features with the outward vectors `of`; zero if their points do not touch.
-fn outward(distance: f64, wider: &Wider, of: impl Fn() -> [DVec3; 2]) -> DVec3 {
-    if distance > wider.rounding {
+fn outward(distance: f64, allowance: &Allowance, of: impl Fn() -> [DVec3; 2]) -> DVec3 {
+    if distance > allowance.rounding {
         return DVec3::ZERO;
     }
     let [a, b] = of();
@@ -166,21 +166,21 @@ fn outward(distance: f64, wider: &Wider, of: impl Fn() -> [DVec3; 2]) -> DVec3 {
 impl TrianglePair<'_> {
     /// Calls `found` for each feature between nearest points no farther apart than `most`.
     pub fn nearest_features(&self, most: f64, mut found: impl FnMut(Feature)) {
-        let wider = Wider {
+        let allowance = Allowance {
             slack: Slack::default(),
             rounding: self.rounding(),
         };
         self.each_nearest(
             most,
-            &wider,
-            |Points {
+            &allowance,
+            |SeparatedPoints {
                  points,
                  outward,
                  origin,
              }| {
                 let way = points[1] - points[0];
                 let distance = way.length();
-                let normal = if distance > wider.rounding {
+                let normal = if distance > allowance.rounding {
                     way / distance
                 } else {
                     // The way between points that touch is rounding only.
@@ -202,12 +202,12 @@ impl TrianglePair<'_> {
     /// Whether the triangles may have features between nearest points no farther apart than `most` after a motion within
     /// the slack.
     pub fn may_have_nearest(&self, most: f64, slack: Slack) -> bool {
-        let wider = Wider {
+        let allowance = Allowance {
             slack,
             rounding: self.rounding(),
         };
         let mut any = false;
-        self.each_nearest(most + slack.distance, &wider, |_| any = true);
+        self.each_nearest(most + slack.distance, &allowance, |_| any = true);
         any
     }
 
@@ -217,13 +217,13 @@ impl TrianglePair<'_> {
         ROUNDING * largest
     }
 
-    fn each_nearest(&self, most: f64, wider: &Wider, mut found: impl FnMut(Points)) {
+    fn each_nearest(&self, most: f64, allowance: &Allowance, mut found: impl FnMut(SeparatedPoints)) {
         if !self.is_within(most) {
             return;
         }
         for a in self.corners(0) {
             for b in self.corners(1) {
-                self.of_corners([&a, &b], most, wider).map(&mut found);
+                self.of_corners([&a, &b], most, allowance).map(&mut found);
             }
         }
         for i in 0..2 {
@@ -231,16 +231,17 @@ impl TrianglePair<'_> {
             let one_sided = self.sides[1 - i].features.one_sided.is(over.number as usize);
             for corner in self.corners(i) {
                 for edge in self.edges_of(1 - i) {
-                    self.of_corner_and_edge(i, &corner, &edge, most, wider).map(&mut found);
+                    self.of_corner_and_edge(i, &corner, &edge, most, allowance)
+                        .map(&mut found);
                 }
                 if !one_sided {
-                    self.over_back(i, &corner, most, wider).map(&mut found);
+                    self.over_back(i, &corner, most, allowance).map(&mut found);
                 }
             }
         }
         for a in self.edges_of(0) {
             for b in self.edges_of(1) {
-                self.of_edges([&a, &b], most, wider).map(&mut found);
+                self.of_edges([&a, &b], most, allowance).map(&mut found);
             }
         }
     }
@@ -263,12 +264,14 @@ impl TrianglePair<'_> {
         self.sides[i].features.owned[self.triangles[i].number as usize]
     }
 
-    fn of_corners(&self, [a, b]: [&Corner; 2], most: f64, wider: &Wider) -> Option<Points> {
+    fn of_corners(&self, [a, b]: [&Corner; 2], most: f64, allowance: &Allowance) -> Option<SeparatedPoints> {
         let way = b.at - a.at;
-        (way.length_squared() <= most * most && a.faces(way, wider) && b.faces(-way, wider)).then(|| Points {
-            points: [a.at, b.at],
-            outward: outward(way.length(), wider, || [a.outward(), b.outward()]),
-            origin: Origin::Vertices([a.k as u8, b.k as u8]),
+        (way.length_squared() <= most * most && a.faces(way, allowance) && b.faces(-way, allowance)).then(|| {
+            SeparatedPoints {
+                points: [a.at, b.at],
+                outward: outward(way.length(), allowance, || [a.outward(), b.outward()]),
+                origin: Origin::Vertices([a.k as u8, b.k as u8]),
+            }
         })
     }
 
@@ -279,8 +282,8 @@ impl TrianglePair<'_> {
         corner: &Corner,
         edge: &Edge,
         most: f64,
-        wider: &Wider,
-    ) -> Option<Points> {
+        allowance: &Allowance,
+    ) -> Option<SeparatedPoints> {
         let at = (corner.at - edge.start).dot(edge.along) / edge.square;
         let foot = edge.start + edge.along * at;
         let way = corner.at - foot;
@@ -290,18 +293,18 @@ impl TrianglePair<'_> {
             return None;
         }
         let length = edge.square.sqrt();
-        let within = if wider.slack.distance > 0.0 {
-            -wider.of_way(square.sqrt()) / length
+        let within = if allowance.slack.distance > 0.0 {
+            -allowance.of_way(square.sqrt()) / length
         } else {
-            Wider::outside(square.sqrt(), length) / length
+            Allowance::outside(square.sqrt(), length) / length
         };
-        if at < within || at > 1.0 - within || !edge.is_outside(way, wider) || !corner.faces(-way, wider) {
+        if at < within || at > 1.0 - within || !edge.is_outside(way, allowance) || !corner.faces(-way, allowance) {
             return None;
         }
         let swap = |pair: [DVec3; 2]| if side == 1 { [pair[1], pair[0]] } else { pair };
-        Some(Points {
+        Some(SeparatedPoints {
             points: swap([corner.at, foot]),
-            outward: outward(square.sqrt(), wider, || swap([corner.outward(), edge.outward()])),
+            outward: outward(square.sqrt(), allowance, || swap([corner.outward(), edge.outward()])),
             origin: Origin::VertexEdge {
                 side: side as u8,
                 edge: edge.k as u8,
@@ -310,7 +313,7 @@ impl TrianglePair<'_> {
         })
     }
 
-    fn of_edges(&self, [a, b]: [&Edge; 2], most: f64, wider: &Wider) -> Option<Points> {
+    fn of_edges(&self, [a, b]: [&Edge; 2], most: f64, allowance: &Allowance) -> Option<SeparatedPoints> {
         let cross = a.along.cross(b.along);
         let square = cross.length_squared();
         let between = b.start - a.start;
@@ -324,18 +327,18 @@ impl TrianglePair<'_> {
         }
         let origin = Origin::Edges([a.k as u8, b.k as u8]);
         let sine = (square / (a.square * b.square)).sqrt();
-        let turn = 2.0 * wider.slack.rotation / sine + wider.slack.rotation;
-        if wider.slack.distance > 0.0 {
+        let turn = 2.0 * allowance.slack.rotation / sine + allowance.slack.rotation;
+        if allowance.slack.distance > 0.0 {
             let points = [a.start, b.start];
             let faces = |normal: DVec3| {
-                let most = turn + wider.rounding;
+                let most = turn + allowance.rounding;
                 let all = |edge: &Edge, normal: DVec3| edge.inward().iter().all(|inward| inward.dot(normal) <= most);
                 all(a, normal) && all(b, -normal)
             };
             let normal = cross * square.sqrt().recip();
-            return (sine + wider.slack.rotation > EXACTLY_PARALLEL
+            return (sine + allowance.slack.rotation > EXACTLY_PARALLEL
                 && (turn.is_nan() || turn >= 1.0 || faces(normal) || faces(-normal)))
-            .then_some(Points {
+            .then_some(SeparatedPoints {
                 points,
                 outward: DVec3::ZERO,
                 origin,
@@ -352,24 +355,26 @@ impl TrianglePair<'_> {
         let points = [a.start + a.along * at_a, b.start + b.along * at_b];
         let way = points[1] - points[0];
         // Edges that cross and touch have a feature without this.
-        (way.length() > wider.rounding && a.faces(way, wider) && b.faces(-way, wider)).then_some(Points {
-            points,
-            outward: DVec3::ZERO,
-            origin,
-        })
+        (way.length() > allowance.rounding && a.faces(way, allowance) && b.faces(-way, allowance)).then_some(
+            SeparatedPoints {
+                points,
+                outward: DVec3::ZERO,
+                origin,
+            },
+        )
     }
 
     /// A corner of this side over the back of the other side's face.
-    fn over_back(&self, side: usize, corner: &Corner, most: f64, wider: &Wider) -> Option<Points> {
+    fn over_back(&self, side: usize, corner: &Corner, most: f64, allowance: &Allowance) -> Option<SeparatedPoints> {
         let over = self.triangles[1 - side];
         let height = self.heights[side][corner.k];
         // The normal may turn round after a motion.
-        let may_turn = wider.slack.distance > 0.0;
+        let may_turn = allowance.slack.distance > 0.0;
         if height.abs() > most || height >= 0.0 && !may_turn {
             return None;
         }
         let foot = corner.at - over.normal * height;
-        let aside = wider.slack.distance + wider.slack.rotation * most;
+        let aside = allowance.slack.distance + allowance.slack.rotation * most;
         for i in 0..3 {
             let edge = over.corners[(i + 1) % 3] - over.corners[i];
             let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.winding_sign;
@@ -379,11 +384,11 @@ impl TrianglePair<'_> {
             }
         }
         let way = foot - corner.at;
-        if !may_turn && !corner.faces(way, wider) {
+        if !may_turn && !corner.faces(way, allowance) {
             return None;
         }
         let swap = |pair: [DVec3; 2]| if side == 1 { [pair[1], pair[0]] } else { pair };
-        Some(Points {
+        Some(SeparatedPoints {
             points: swap([corner.at, foot]),
             outward: DVec3::ZERO,
             origin: Origin::Vertex {

@@ -1,17 +1,17 @@
 //! Contact generation of one pair: its features, contours and reduced manifold.
 
-use super::arrival::{Arrival, Motion};
+use super::arrival::{Arrival, PairMotion};
 use super::contour::{Contours, Patch};
 use super::crossing::Segment;
 use super::deepest::farthest;
 use super::feature::{Feature, Origin};
+use super::feature_finder::FeatureFinder;
 use super::inside;
 use super::kept::{Kept, Source};
 use super::near_clusters::PairPose;
 use super::ray::exits;
 use super::reduce::Reduction;
-use super::search::Wanted;
-use super::shares::Shares;
+use super::search::FeatureQuery;
 use super::side::{Side, sides};
 use super::smooth;
 use crate::manifolds::{MAX_POINTS, ManifoldPoint};
@@ -48,7 +48,7 @@ pub(crate) const DEEPER: f64 = 1.02;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
-    shares: Shares,
+    finder: FeatureFinder,
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
@@ -83,7 +83,7 @@ impl Worker {
         &mut self,
         pair: &Pair,
         margin: f32,
-        motion: &Motion,
+        motion: &PairMotion,
         kept: &mut Kept,
         threads: usize,
     ) -> (&[Feature], bool) {
@@ -97,21 +97,21 @@ impl Worker {
     /// Writes all features of the pair.
     fn find(&mut self, pair: &Pair, margin: f64, kept: &mut Kept, threads: usize) {
         let Self {
-            shares,
+            finder,
             contours,
             features,
             ..
         } = self;
         let Pair { sides, size, .. } = pair;
         let touch = TOUCH * size;
-        let wanted = Wanted {
+        let query = FeatureQuery {
             margin,
             range: -touch..=margin,
             reach: margin + touch,
             window: None,
             nearest: true,
         };
-        let source = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
+        let source = finder.find(pair, &query, &mut kept.near, threads, |_| true);
         let fraction = match source {
             Source::Kept { fraction, .. } => fraction,
             Source::Search(_) => {
@@ -119,9 +119,9 @@ impl Worker {
                 0
             }
         };
-        shares.features(features);
+        finder.features(features);
         contours.clear();
-        shares.segments(&mut contours.segments);
+        finder.segments(&mut contours.segments);
         if contours.segments.is_empty() {
             // Without a crossing on the way, nothing has got inside since the search.
             let has_not_crossed = !kept.near.may_cross(fraction);
@@ -146,7 +146,7 @@ impl Worker {
     /// Adds the overlapping features at the patches, or points in their place.
     fn find_overlaps(&mut self, pair: &Pair, kept: &mut Kept, threads: usize) {
         let Self {
-            shares,
+            finder,
             contours,
             features,
             deep,
@@ -173,17 +173,17 @@ impl Worker {
             let window = contours.window(0.5 * most);
             // The normals of two-sided triangles may turn round.
             let one_sided = sides.iter().all(|side| side.features.one_sided.all());
-            let wanted = Wanted {
+            let query = FeatureQuery {
                 margin: most,
                 range: -most..=-TOUCH * size,
                 reach: most,
                 window: Some(if one_sided { window } else { window.without_normals() }),
                 nearest: false,
             };
-            shares.find(pair, &wanted, &mut kept.deep, threads, |feature| {
+            finder.find(pair, &query, &mut kept.deep, threads, |feature| {
                 contours.admits(feature, true)
             });
-            shares.features(deep);
+            finder.features(deep);
             keep_shallowest(deep);
             deep.iter().for_each(|feature| contours.keep(feature));
             features.append(deep);

@@ -1,7 +1,7 @@
 //! Eight triangles of a body at a time, placed in single precision, and which of them have boxes near a triangle of the
 //! other body.
 
-use super::parts::{CORNER_BITS, EDGE_BITS, FACE_BIT};
+use super::feature_bits::{CORNER_BITS, EDGE_BITS, FACE_BIT};
 use super::precision::{ANY_TILT, ERROR};
 use super::search::{Limits, Search};
 use super::side::Side;
@@ -112,18 +112,18 @@ impl PlacedCluster {
         if let Some(window) = &search.window {
             (self.lanes, self.faces, self.edges) = (0, 0, 0);
             let (unit, known) = (scale(eight.direction(), splat(simd, *forward)), eight.has_direction());
-            for place in window.places() {
-                let (center, radius) = (splat_point(simd, place.center), splat(simd, place.reach(pad)));
+            for region in window.regions() {
+                let (center, radius) = (splat_point(simd, region.center), splat(simd, region.reach(pad)));
                 let zero = splat(simd, 0.0);
                 let way = each(|axis| (low[axis] - center[axis]).max(center[axis] - high[axis]).max(zero));
                 let near = own.lanes & bitmask(dot(way, way).simd_le(radius * radius));
                 self.lanes |= near;
-                if place.normal == Vec3::ZERO {
+                if region.normal == Vec3::ZERO {
                     self.faces |= near;
                     self.edges |= near;
                     continue;
                 }
-                let turn = sub(unit, splat_point(simd, place.normal));
+                let turn = sub(unit, splat_point(simd, region.normal));
                 let turn = known.select(dot(turn, turn), zero);
                 let most = splat(simd, window.chord);
                 let most_of_edges = most + edge_rotation;

@@ -28,8 +28,8 @@ pub(crate) const MARGIN: f32 = 0.01;
 /// Memory kept between calls.
 #[derive(Default)]
 pub struct Scratch {
-    lists: InOrder<Found>,
-    found: Vec<Found>,
+    lists: InOrder<PlaneManifold>,
+    plane_manifolds: Vec<PlaneManifold>,
     vertices: PerThread<Vec<LowVertex>>,
 }
 
@@ -53,7 +53,7 @@ const TASK: usize = 64;
 
 /// The contact points of a body and a plane.
 #[derive(Clone, Copy)]
-struct Found {
+struct PlaneManifold {
     bodies: [u32; 2],
     points: [ManifoldPoint; MAX_POINTS],
     count: usize,
@@ -72,30 +72,39 @@ pub fn find(
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
-    let Scratch { lists, found, vertices } = scratch;
-    found.clear();
+    let Scratch {
+        lists,
+        plane_manifolds,
+        vertices,
+    } = scratch;
+    plane_manifolds.clear();
     if planes.is_empty() {
         return;
     }
     let vertices = vertices.ready();
-    lists.extend(found, &bodies.list_of_movers(), TASK, |_, &body, found| {
-        let body = body as usize;
-        if bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
-            return;
-        }
-        let margin = margin(bodies, body, config);
-        let mut vertices = vertices.lock();
-        let wanted = |&(i, _): &(usize, &Plane)| wanted([body as u32, (bodies.len() + i) as u32]);
-        let near = |(i, plane)| manifold(bodies, meshes, body, i, plane, margin, &mut vertices);
-        found.extend(planes.iter().enumerate().filter(wanted).filter_map(near));
-    });
-    for found in found.iter() {
+    lists.extend(
+        plane_manifolds,
+        &bodies.list_of_movers(),
+        TASK,
+        |_, &body, plane_manifolds| {
+            let body = body as usize;
+            if bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
+                return;
+            }
+            let margin = margin(bodies, body, config);
+            let mut vertices = vertices.lock();
+            let wanted = |&(i, _): &(usize, &Plane)| wanted([body as u32, (bodies.len() + i) as u32]);
+            let near = |(i, plane)| manifold(bodies, meshes, body, i, plane, margin, &mut vertices);
+            plane_manifolds.extend(planes.iter().enumerate().filter(wanted).filter_map(near));
+        },
+    );
+    for manifold in plane_manifolds.iter() {
         manifolds.pairs.push(Manifold {
-            bodies: found.bodies,
+            bodies: manifold.bodies,
             first_point: manifolds.points.len() as u32,
-            point_count: found.count as u32,
+            point_count: manifold.count as u32,
         });
-        manifolds.points.extend(&found.points[..found.count]);
+        manifolds.points.extend(&manifold.points[..manifold.count]);
     }
 }
 
@@ -114,7 +123,7 @@ fn manifold(
     plane: &Plane,
     margin: f32,
     vertices: &mut Vec<LowVertex>,
-) -> Option<Found> {
+) -> Option<PlaneManifold> {
     if plane.sensor || !bodies.layers[body].interacts_with(plane.layers) {
         return None;
     }
@@ -218,7 +227,7 @@ fn manifold(
         points[count] = point.shifted([frame.offset().as_vec3(), Vec3::ZERO]);
         count += 1;
     }
-    Some(Found {
+    Some(PlaneManifold {
         bodies: [body as u32, (bodies.len() + index) as u32],
         points,
         count,

@@ -28,7 +28,7 @@ impl std::ops::Mul<f64> for Slack {
 }
 
 /// Which features of a pair are wanted now.
-pub struct Wanted {
+pub struct FeatureQuery {
     /// Largest separation or overlap of features, metres.
     pub margin: f64,
     /// Separations of features, metres.
@@ -55,12 +55,12 @@ pub struct Search {
     pub window: Option<Window>,
 }
 
-/// Limits the search to features near some places, the patches of overlaps.
+/// Limits the search to features near some regions, the patches of overlaps.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    places: [Place; MAX_PLACES],
+    regions: [SearchRegion; MAX_REGIONS],
     count: usize,
-    /// Bound of the angle by which features differ from the normals of their places, as a chord.
+    /// Bound of the angle by which features differ from the normals of their regions, as a chord.
     pub chord: f32,
     /// The first triangle must extend farther along this direction than the second's lower bound. Zero accepts every pair.
     pub direction: Vec3,
@@ -68,37 +68,37 @@ pub struct Window {
 
 /// A ball that both triangles of a feature meet, and the normal with which the feature agrees.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Place {
+pub struct SearchRegion {
     pub center: Vec3,
     pub radius: f32,
     /// A unit vector; zero if features may have any normal.
     pub normal: Vec3,
 }
 
-/// Most places of a window. If there are more, one ball holds them all.
-pub const MAX_PLACES: usize = 4;
-/// Places whose normals differ by more, as a chord, do not find the same features.
+/// Most regions of a window. If there are more, one ball holds them all.
+pub const MAX_REGIONS: usize = 4;
+/// Regions whose normals differ by more, as a chord, do not find the same features.
 const MAX_TURN: f32 = 0.2;
 /// Allowance for the rounding of normals, as a chord.
 const NORMAL_ERROR: f32 = 2.0 * DIRECTION_ERROR;
 
 impl Window {
-    /// A window of these places. `agreement` is the least cosine between the normals of a place and of a feature.
-    pub fn new(all: impl Iterator<Item = Place> + Clone, agreement: f64) -> Self {
+    /// A window of these regions. `agreement` is the least cosine between the normals of a region and of a feature.
+    pub fn new(all: impl Iterator<Item = SearchRegion> + Clone, agreement: f64) -> Self {
         let mut window = Self {
-            places: [Place::default(); MAX_PLACES],
+            regions: [SearchRegion::default(); MAX_REGIONS],
             count: 0,
             chord: (2.0 - 2.0 * agreement).sqrt() as f32 + NORMAL_ERROR,
             direction: Vec3::ZERO,
         };
         window.count = all.clone().count();
-        if window.count > MAX_PLACES {
-            (window.places[0], window.count) = (Place::around(all), 1);
+        if window.count > MAX_REGIONS {
+            (window.regions[0], window.count) = (SearchRegion::around(all), 1);
         } else {
-            window.places.iter_mut().zip(all).for_each(|(to, from)| *to = from);
-            // Features that agree with a single place overlap along its normal. Several have no common direction.
+            window.regions.iter_mut().zip(all).for_each(|(to, from)| *to = from);
+            // Features that agree with a single region overlap along its normal. Several have no common direction.
             if window.count == 1 {
-                window.direction = window.places[0].normal;
+                window.direction = window.regions[0].normal;
             }
         }
         window
@@ -106,38 +106,38 @@ impl Window {
 
     /// This window for features of any normal.
     pub fn without_normals(mut self) -> Self {
-        self.places.iter_mut().for_each(|place| place.normal = Vec3::ZERO);
+        self.regions.iter_mut().for_each(|region| region.normal = Vec3::ZERO);
         self
     }
 
-    pub fn places(&self) -> &[Place] {
-        &self.places[..self.count]
+    pub fn regions(&self) -> &[SearchRegion] {
+        &self.regions[..self.count]
     }
 
-    /// Boxes around the places, wider by `pad` for rounding, with `unit` units of length per metre.
-    pub fn boxes(&self, pad: f32, unit: f32) -> ArrayVec<Aabb, MAX_PLACES> {
-        let around = |place: &Place| {
-            let half = Vec3::splat(place.reach(pad));
-            Aabb::around([place.center - half, place.center + half].map(|p| unit * p))
+    /// Boxes around the regions, wider by `pad` for rounding, with `unit` units of length per metre.
+    pub fn boxes(&self, pad: f32, unit: f32) -> ArrayVec<Aabb, MAX_REGIONS> {
+        let around = |region: &SearchRegion| {
+            let half = Vec3::splat(region.reach(pad));
+            Aabb::around([region.center - half, region.center + half].map(|p| unit * p))
         };
-        self.places().iter().map(around).collect()
+        self.regions().iter().map(around).collect()
     }
 
     /// Whether what `other` finds includes the features of this window.
     pub fn is_within(&self, other: &Self) -> bool {
-        let is_found = |place: &Place| other.places().iter().any(|other| place.is_within(other));
+        let is_found = |region: &SearchRegion| other.regions().iter().any(|other| region.is_within(other));
         // Features agree with the direction of this window, so they overlap along similar directions, too.
         let overlaps = other.direction == Vec3::ZERO || self.direction.distance(other.direction) < MAX_TURN;
-        self.places().iter().all(is_found) && overlaps
+        self.regions().iter().all(is_found) && overlaps
     }
 
-    /// The window for features that may move by `distance` and turn by `rotation`, and whose places may turn, too.
+    /// The window for features that may move by `distance` and turn by `rotation`, and whose regions may turn, too.
     pub fn grown(&self, distance: f64, rotation: f64) -> Self {
         let mut grown = *self;
         grown
-            .places
+            .regions
             .iter_mut()
-            .for_each(|place| place.radius += distance as f32);
+            .for_each(|region| region.radius += distance as f32);
         if distance > 0.0 {
             grown.chord += MAX_TURN + AROUND_ERROR * rotation as f32;
         }
@@ -145,20 +145,23 @@ impl Window {
     }
 }
 
-impl Place {
+impl SearchRegion {
     /// The radius with allowances for rounding; `pad` is the allowance of positions.
     #[inline(always)]
     pub fn reach(&self, pad: f32) -> f32 {
         AROUND_ERROR * self.radius + pad
     }
 
-    /// A ball around all places.
+    /// A ball around all regions.
     fn around(all: impl Iterator<Item = Self> + Clone) -> Self {
-        let bounds = all.clone().fold(Aabb::EMPTY, |bounds, place| {
-            bounds.union(Aabb::around([place.center - place.radius, place.center + place.radius]))
+        let bounds = all.clone().fold(Aabb::EMPTY, |bounds, region| {
+            bounds.union(Aabb::around([
+                region.center - region.radius,
+                region.center + region.radius,
+            ]))
         });
         let center = bounds.center();
-        let radii = all.map(|place| place.center.distance(center) + place.radius);
+        let radii = all.map(|region| region.center.distance(center) + region.radius);
         Self {
             center,
             radius: radii.fold(0.0, f32::max),

@@ -4,7 +4,7 @@ use super::precision::DIRECTION_ERROR;
 use crate::simd::lanes::{
     Points, Simd, SimdBase, SimdFloat, columns, each, each_lane, f32x8, mask32x8, pick, rows, splat,
 };
-use crate::triangle_test::cpu::interval_test::Eight;
+use crate::triangle_test::cpu::interval_test::TriangleLanes;
 #[cfg(test)]
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ pub struct SmallTriangle {
     corners: [[f32; 4]; 3],
     measures: [f32; 4],
     pub number: u32,
-    /// What it owns, as bits: see [`owned_features`](super::parts::owned_features).
+    /// What it owns, as bits: see [`owned_features`](super::feature_bits::owned_features).
     pub owned: u32,
 }
 
@@ -105,8 +105,8 @@ impl<S: Simd> EightTriangles<S> {
 
     /// These triangles for the interval test, with error bounds of heights over their planes and of coordinates.
     #[inline(always)]
-    pub fn with_error(&self, tolerance: f32x8<S>, error: f32x8<S>) -> Eight<S> {
-        Eight {
+    pub fn with_error(&self, tolerance: f32x8<S>, error: f32x8<S>) -> TriangleLanes<S> {
+        TriangleLanes {
             corners: self.corners,
             normal: self.normal,
             tolerance,

@@ -81,8 +81,8 @@ impl AssetLoader for CollisionMeshLoader {
         settings: &CollisionMeshSettings,
         context: &mut LoadContext<'_>,
     ) -> Result<CollisionMesh, LoadError> {
-        let wanted = settings.bake;
-        if let Some(settings) = &wanted {
+        let bake = settings.bake;
+        if let Some(settings) = &bake {
             settings.validate()?;
         }
         let mut bytes = Vec::new();
@@ -96,12 +96,12 @@ impl AssetLoader for CollisionMeshLoader {
             let recipe = Recipe::parse(&bytes)?;
             let mesh_path = mesh_path(&path, &recipe.mesh)?;
             let bytes = read_file(context, &mesh_path).await?;
-            let wanted = Wanted {
-                bake: wanted.or(Some(recipe.settings)),
+            let settings = ImportSettings {
+                bake: bake.or(Some(recipe.settings)),
                 part: part.or(recipe.part),
                 read_outside: recipe.read_outside,
             };
-            load_mesh(context, &mesh_path, bytes, wanted, &mut warnings)
+            load_mesh(context, &mesh_path, bytes, settings, &mut warnings)
                 .await
                 .map_err(|source| LoadError::InMesh {
                     path: mesh_path,
@@ -109,18 +109,18 @@ impl AssetLoader for CollisionMeshLoader {
                 })?
         } else {
             let header = format::read_header(&bytes).ok().filter(|_| part.is_none());
-            let own = Wanted {
-                bake: wanted,
+            let settings = ImportSettings {
+                bake,
                 part,
                 read_outside: false,
             };
             let fresh = match header {
-                Some(header) => load_fresh(context, &path, &header, wanted, &mut warnings).await,
+                Some(header) => load_fresh(context, &path, &header, bake, &mut warnings).await,
                 None => None,
             };
             match fresh {
                 Some(mesh) => mesh,
-                None => load_mesh(context, &path, bytes, own, &mut warnings).await?,
+                None => load_mesh(context, &path, bytes, settings, &mut warnings).await?,
             }
         };
         // Warnings search the mesh for open edges, which takes too long for the IO pool.
@@ -162,12 +162,12 @@ async fn load_fresh(
             mesh,
         } => {
             // The options of a bake override the recipe, so the file's settings count.
-            let wanted = Wanted {
+            let settings = ImportSettings {
                 bake: bake.or(Some(header.settings)),
                 part: recipe.part,
                 read_outside: recipe.read_outside,
             };
-            let fresh = load_mesh(context, &mesh_path, mesh, wanted, warnings).await;
+            let fresh = load_mesh(context, &mesh_path, mesh, settings, warnings).await;
             let fresh = fresh.map_err(|error| {
                 warnings.push(format!(
                     "{mesh_path} has changed since this file was baked, but cannot be baked: {error}. The old mesh is used"
@@ -225,7 +225,7 @@ pub(super) async fn read_file(context: &mut LoadContext<'_>, path: &AssetPath<'s
 }
 
 /// Settings of the load, or of the recipe.
-struct Wanted {
+struct ImportSettings {
     bake: Option<BakeSettings>,
     part: Option<MeshPart>,
     read_outside: bool,
@@ -239,25 +239,25 @@ async fn load_mesh(
     context: &mut LoadContext<'_>,
     path: &AssetPath<'static>,
     bytes: Vec<u8>,
-    wanted: Wanted,
+    options: ImportSettings,
     warnings: &mut Vec<String>,
 ) -> Result<CollisionMesh, LoadError> {
     let name = path.path().to_string_lossy().into_owned();
     let source = on_compute_pool(move || Ok(Source::open(&name, bytes)?)).await?;
     let mut files = Vec::new();
-    for file in source.files(wanted.read_outside)? {
+    for file in source.files(options.read_outside)? {
         files.push(read_file(context, &path_beside(path, file)?).await?);
     }
     let (mesh, settings, of_file) = on_compute_pool(move || {
-        let imported = source.read(wanted.part.as_ref(), &files)?;
+        let imported = source.read(options.part.as_ref(), &files)?;
         let of_file = imported.warnings().to_vec();
         Ok(match imported {
             Imported::Mesh { mesh, settings, .. } => {
-                let settings = wanted.bake.unwrap_or(settings);
+                let settings = options.bake.unwrap_or(settings);
                 (CollisionMesh::without_faces(&mesh, settings), settings, of_file)
             }
             Imported::Baked { mesh, .. } => {
-                let settings = wanted.bake.unwrap_or(mesh.settings);
+                let settings = options.bake.unwrap_or(mesh.settings);
                 (mesh, settings, of_file)
             }
         })

@@ -32,7 +32,7 @@ pub enum MeshBakeError {
     NotLoaded(Arc<AssetLoadError>),
     /// The baked mesh or recipe beside the mesh's file could not be loaded.
     #[error("{path}: {error}")]
-    Beside {
+    FileBeside {
         /// The baked mesh or the recipe.
         path: AssetPath<'static>,
         /// The reason.
@@ -68,7 +68,7 @@ enum Bake {
 }
 
 /// A baked mesh or recipe beside a mesh's file.
-enum Beside {
+enum FileBeside {
     Looking(Task<Option<AssetPath<'static>>>),
     None,
     Found(AssetPath<'static>, Handle<CollisionMesh>),
@@ -78,7 +78,7 @@ enum Beside {
 #[derive(Resource, Default)]
 pub(crate) struct MeshBakes {
     bakes: HashMap<Key, Bake>,
-    beside: HashMap<AssetPath<'static>, (Vec<AssetId<Mesh>>, Beside)>,
+    beside: HashMap<AssetPath<'static>, (Vec<AssetId<Mesh>>, FileBeside)>,
     /// Meshes that could not be loaded.
     missing: HashSet<AssetId<Mesh>>,
     /// Files beside a mesh's file that could not be loaded, with the meshes that they are for.
@@ -244,19 +244,19 @@ impl MeshBakes {
         let (meshes, beside) = self
             .beside
             .entry(path.clone())
-            .or_insert_with(|| (source.ids().collect(), Beside::look(path, &assets.server)));
-        if let Beside::Looking(task) = beside
+            .or_insert_with(|| (source.ids().collect(), FileBeside::look(path, &assets.server)));
+        if let FileBeside::Looking(task) = beside
             && task.is_finished()
         {
             *beside = match block_on(task) {
-                Some(path) => Beside::Found(path.clone(), assets.server.load(path)),
-                None => Beside::None,
+                Some(path) => FileBeside::Found(path.clone(), assets.server.load(path)),
+                None => FileBeside::None,
             };
         }
         match beside {
-            Beside::Looking(_) => Poll::Pending,
-            Beside::None => Poll::Ready(None),
-            Beside::Found(path, _) if !source.ids().eq(meshes.iter().copied()) => {
+            FileBeside::Looking(_) => Poll::Pending,
+            FileBeside::None => Poll::Ready(None),
+            FileBeside::Found(path, _) if !source.ids().eq(meshes.iter().copied()) => {
                 if self.ambiguous.insert(path.clone()) {
                     warn!(
                         "{path} is used for one mesh only, and {} is baked: both have that name. Rename one of them",
@@ -266,11 +266,11 @@ impl MeshBakes {
                 Poll::Ready(None)
             }
             // While a changed file has an error, the mesh that was there before stays.
-            Beside::Found(_, handle) if assets.baked.contains(&*handle) => Poll::Ready(Some(Ok(handle.clone()))),
-            Beside::Found(path, handle) => match assets.server.load_state(&*handle) {
+            FileBeside::Found(_, handle) if assets.baked.contains(&*handle) => Poll::Ready(Some(Ok(handle.clone()))),
+            FileBeside::Found(path, handle) => match assets.server.load_state(&*handle) {
                 LoadState::Failed(error) => {
                     self.missing_beside.insert(handle.id(), meshes.clone());
-                    Poll::Ready(Some(Err(MeshBakeError::Beside {
+                    Poll::Ready(Some(Err(MeshBakeError::FileBeside {
                         path: path.clone(),
                         error,
                     })))
@@ -335,7 +335,7 @@ async fn bake(triangles: Triangles, settings: BakeSettings, name: String) -> Res
     Ok(mesh.await.map_err(Arc::new)?)
 }
 
-impl Beside {
+impl FileBeside {
     /// Looks for `PATH.faceoff`, then for `PATH.bake.ron`.
     fn look(path: &AssetPath<'static>, server: &AssetServer) -> Self {
         let (path, server) = (path.clone(), server.clone());

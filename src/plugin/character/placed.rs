@@ -11,7 +11,7 @@ use bevy::prelude::*;
 
 /// What tells how a body moves.
 #[derive(QueryData)]
-pub(super) struct Moves {
+pub(super) struct MotionComponents {
     kind: &'static RigidBody,
     linear: Option<&'static LinearVelocity>,
     angular: Option<&'static AngularVelocity>,
@@ -23,7 +23,7 @@ pub(super) struct Moves {
 pub(super) fn leave_placed_ground(
     step: Res<Step>,
     mut characters: Query<(&mut CharacterGround, Has<RigidBodyDisabled>), With<Character>>,
-    bodies: Query<Moves>,
+    bodies: Query<MotionComponents>,
     written: WrittenTransforms,
 ) {
     let is_written = |body| {
@@ -35,14 +35,14 @@ pub(super) fn leave_placed_ground(
         let body = contact.body;
         let is_placed = bodies
             .get(body)
-            .is_ok_and(|moves| moves.teleports || (!moves.is_driven() && is_written(body)));
+            .is_ok_and(|motion| motion.teleports || (!motion.is_driven() && is_written(body)));
         if is_disabled || is_placed {
             *ground = CharacterGround::default();
         }
     }
 }
 
-impl MovesItem<'_, '_> {
+impl MotionComponentsItem<'_, '_> {
     /// Whether it moves along if its `Transform` is written.
     fn is_driven(&self) -> bool {
         match self.kind {

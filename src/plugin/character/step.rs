@@ -20,13 +20,13 @@ const MIN_EDGE_LANDING: f32 = 0.5;
 
 /// Where entities are in the world.
 #[derive(SystemParam)]
-pub(super) struct Places<'w, 's> {
+pub(super) struct WorldTransforms<'w, 's> {
     entities: Query<'w, 's, ()>,
-    transforms: Query<'w, 's, &'static mut Transform>,
+    all: Query<'w, 's, &'static mut Transform>,
     parents: Query<'w, 's, &'static ChildOf>,
 }
 
-impl Places<'_, '_> {
+impl WorldTransforms<'_, '_> {
     fn above(&self, entity: Entity) -> DAffine3 {
         world_above(entity, parent_in(&self.parents), |entity| self.transform_of(entity))
     }
@@ -37,7 +37,7 @@ impl Places<'_, '_> {
     }
 
     fn transform_of(&self, entity: Entity) -> Option<Transform> {
-        self.transforms.get(entity).ok().copied()
+        self.all.get(entity).ok().copied()
     }
 }
 
@@ -56,7 +56,7 @@ pub(super) fn move_characters(
         ),
         Without<RigidBodyDisabled>,
     >,
-    mut places: Places,
+    mut transforms: WorldTransforms,
     mut warned: Local<EntityHashSet>,
 ) {
     let dt = time.delta_secs();
@@ -65,7 +65,7 @@ pub(super) fn move_characters(
     }
     warned.retain(|entity| characters.contains(*entity));
     for (entity, mut character, mut ground, scale, name) in &mut characters {
-        let Some(to_world) = places.to_world(entity) else {
+        let Some(to_world) = transforms.to_world(entity) else {
             continue;
         };
         if let Err(fault) = character.check(&to_world) {
@@ -84,16 +84,16 @@ pub(super) fn move_characters(
             start: to_world.translation.as_vec3(),
             rotation: decompose(&to_world.matrix3).0.as_quat(),
         };
-        let above = places.above(entity);
-        let mut place = places.transform_of(entity).unwrap_or_default().translation;
+        let above = transforms.above(entity);
+        let mut place = transforms.transform_of(entity).unwrap_or_default().translation;
         let is_here = |contact: &GroundContact| {
             let way = above.transform_vector3((place - contact.place).as_dvec3());
             way.length() <= f64::from(character.radius)
         };
-        let (position, found) = step.run(ground.0.filter(is_here), gravity, &places);
+        let (position, found) = step.run(ground.0.filter(is_here), gravity, &transforms);
         if position != step.start {
             let translation = above.inverse().transform_point3(position.as_dvec3()).as_vec3();
-            if let Ok(mut transform) = places.transforms.get_mut(entity)
+            if let Ok(mut transform) = transforms.all.get_mut(entity)
                 && translation.is_finite()
             {
                 place = translation;
@@ -146,11 +146,16 @@ struct Step<'a, 'w, 's> {
 
 impl Step<'_, '_, '_> {
     /// Returns where it is then, and on what it stands. Changes the velocity of the character.
-    fn run(&mut self, ground: Option<GroundContact>, gravity: Vec3, places: &Places) -> (Vec3, Option<GroundContact>) {
+    fn run(
+        &mut self,
+        ground: Option<GroundContact>,
+        gravity: Vec3,
+        transforms: &WorldTransforms,
+    ) -> (Vec3, Option<GroundContact>) {
         let up = *self.character.up;
         let filter = self.character.filter.clone().without([self.entity]).without_sensors();
         let mut capsule = Capsule::new(self.world, &self.character, filter, self.start, self.rotation);
-        let ground = ground.and_then(|ground| self.carry(&mut capsule, ground, places));
+        let ground = ground.and_then(|ground| self.carry(&mut capsule, ground, transforms));
         capsule.push_out();
 
         let mut velocity = self.character.velocity;
@@ -165,7 +170,7 @@ impl Step<'_, '_, '_> {
                     velocity += ground.velocity - up * ground.velocity.dot(up);
                 }
                 self.character.velocity = velocity;
-                return self.stand(&capsule, floor, Some(ground), places);
+                return self.stand(&capsule, floor, Some(ground), transforms);
             }
             // Off an edge.
             self.character.velocity = velocity + ground.velocity;
@@ -183,15 +188,20 @@ impl Step<'_, '_, '_> {
         match floor {
             Some(floor) => {
                 self.character.velocity -= up * velocity.dot(up);
-                self.stand(&capsule, floor, None, places)
+                self.stand(&capsule, floor, None, transforms)
             }
             None => (capsule.position, None),
         }
     }
 
     /// Moves the capsule along with the ground. Returns the ground as it is now, if it is still there.
-    fn carry(&mut self, capsule: &mut Capsule, ground: GroundContact, places: &Places) -> Option<GroundContact> {
-        let to_world = places.to_world(ground.collider)?;
+    fn carry(
+        &mut self,
+        capsule: &mut Capsule,
+        ground: GroundContact,
+        transforms: &WorldTransforms,
+    ) -> Option<GroundContact> {
+        let to_world = transforms.to_world(ground.collider)?;
         let (rotation, _) = decompose(&to_world.matrix3);
         let point = to_world.transform_point3(ground.anchor.point).as_vec3();
         let way = point - ground.point;
@@ -234,9 +244,9 @@ impl Step<'_, '_, '_> {
         capsule: &Capsule,
         floor: Floor,
         before: Option<&GroundContact>,
-        places: &Places,
+        transforms: &WorldTransforms,
     ) -> (Vec3, Option<GroundContact>) {
-        let Some(to_world) = places.to_world(floor.collider) else {
+        let Some(to_world) = transforms.to_world(floor.collider) else {
             return (floor.position, None);
         };
         let same = before.filter(|before| before.body == floor.body);

@@ -3,7 +3,7 @@
 use crate::asset::CollisionMesh;
 use crate::plugin::components::{ColliderDisabled, MeshCollider, RigidBodyDisabled, Sensor};
 use crate::plugin::sync::Step;
-use crate::plugin::sync::hierarchy::{self, Above, Node, Placed, affine, decompose, parent_in, place};
+use crate::plugin::sync::hierarchy::{self, Ancestor, Node, Placed, affine, decompose, parent_in, place};
 use crate::types::body::{RigidBody, Sleeping};
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
@@ -85,9 +85,9 @@ impl WorldPoses<'_, '_> {
         let own = || affine(collider.transform);
         let (body, to_world, is_disabled) = match collider.parent {
             Some(parent) if !collider.is_body => match hierarchy::from_parent(parent.parent(), &self.nodes) {
-                Above::Body(body, up) => (body, self.body_to_world(body) * up * own(), false),
-                Above::World(up) => (entity, up * own(), false),
-                Above::Disabled => (entity, self.to_world(entity), true),
+                Ancestor::Body(body, up) => (body, self.body_to_world(body) * up * own(), false),
+                Ancestor::World(up) => (entity, up * own(), false),
+                Ancestor::Disabled => (entity, self.to_world(entity), true),
             },
             _ => (entity, self.body_to_world(entity), collider.body_disabled),
         };

@@ -21,7 +21,7 @@ pub(super) const KNOWN: [&str; 8] = [COLLIDER, BODY, MASS, DENSITY, FRICTION, RE
 
 /// What has properties.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum ExtrasOwner {
     /// A node with or without a mesh of its own.
     Node { has_mesh: bool },
     /// A mesh, a primitive or a material.
@@ -29,7 +29,7 @@ pub(super) enum Place {
 }
 
 /// Reads the properties of one object, mesh or material.
-pub(super) fn read(json: &str, place: Place) -> (Layer, Vec<PropertyError>) {
+pub(super) fn read(json: &str, owner: ExtrasOwner) -> (Layer, Vec<PropertyError>) {
     let (mut layer, mut errors) = (Layer::default(), Vec::new());
     // Extras that are not an object of properties belong to others.
     let Ok(Value::Object(properties)) = serde_json::from_str(json) else {
@@ -40,10 +40,12 @@ pub(super) fn read(json: &str, place: Place) -> (Layer, Vec<PropertyError>) {
         if !is_ours(key) {
             continue;
         }
-        let result = match place {
-            Place::Mesh if [BODY, MASS].contains(&&**key) => Err(PropertyError::NotOnNode(key.clone())),
-            Place::Node { .. } if key == MASS && !has_body => Err(PropertyError::NoBody(key.clone())),
-            Place::Node { has_mesh: false } if key != BODY && !has_body => Err(PropertyError::NoMesh(key.clone())),
+        let result = match owner {
+            ExtrasOwner::Mesh if [BODY, MASS].contains(&&**key) => Err(PropertyError::NotOnNode(key.clone())),
+            ExtrasOwner::Node { .. } if key == MASS && !has_body => Err(PropertyError::NoBody(key.clone())),
+            ExtrasOwner::Node { has_mesh: false } if key != BODY && !has_body => {
+                Err(PropertyError::NoMesh(key.clone()))
+            }
             _ => set(&mut layer, key, value),
         };
         errors.extend(result.err());
@@ -130,7 +132,7 @@ mod tests {
     use super::*;
 
     fn node(json: &str) -> (Layer, Vec<PropertyError>) {
-        read(json, Place::Node { has_mesh: true })
+        read(json, ExtrasOwner::Node { has_mesh: true })
     }
 
     #[test]
@@ -200,8 +202,8 @@ mod tests {
     #[test]
     fn what_has_no_effect_is_told() {
         let body = r#"{"faceoff_body": "dynamic"}"#;
-        assert_eq!(read(body, Place::Mesh).1, [PropertyError::NotOnNode(BODY.into())]);
-        let empty = Place::Node { has_mesh: false };
+        assert_eq!(read(body, ExtrasOwner::Mesh).1, [PropertyError::NotOnNode(BODY.into())]);
+        let empty = ExtrasOwner::Node { has_mesh: false };
         assert_eq!(read(body, empty).1, []);
         let density = r#"{"faceoff_density": 2}"#;
         assert_eq!(read(density, empty).1, [PropertyError::NoMesh(DENSITY.into())]);

@@ -1,7 +1,7 @@
 //! Makes the colliders of hierarchies, as soon as their meshes are baked.
 
 use super::error::{PrefabError, PrefabFault};
-use super::plan::{Node, Part, plan};
+use super::plan::{Node, PlannedCollider, plan};
 use super::scene_types;
 use super::scenes::Scenes;
 use super::settings::{ColliderSettings, MeshColliderHierarchy, MeshColliderHierarchyReady};
@@ -47,7 +47,7 @@ pub(super) struct Making {
     done: bool,
     /// Whether it was done before.
     was_ready: bool,
-    parts: Vec<Part>,
+    colliders: Vec<PlannedCollider>,
     bodies: Vec<(Entity, ColliderSettings)>,
     errors: Vec<PrefabError>,
     /// Errors that an event has told.
@@ -73,7 +73,7 @@ impl Default for Making {
             changed: true,
             done: false,
             was_ready: false,
-            parts: Vec::new(),
+            colliders: Vec::new(),
             bodies: Vec::new(),
             errors: Vec::new(),
             told: HashSet::default(),
@@ -158,18 +158,18 @@ fn make(
             }
             making.changed = false;
             let is_known = |error: &PrefabError| making.told.contains(&error.to_string());
-            let makes_nothing = plan.parts.is_empty() && plan.bodies.is_empty() && plan.unwanted.is_empty();
+            let makes_nothing = plan.colliders.is_empty() && plan.bodies.is_empty() && plan.unwanted.is_empty();
             making.done = !is_first && makes_nothing && plan.errors.iter().all(is_known);
-            (making.parts, making.bodies, making.errors) = (plan.parts, plan.bodies, plan.errors);
+            (making.colliders, making.bodies, making.errors) = (plan.colliders, plan.bodies, plan.errors);
         }
         if making.changed || making.done {
             continue;
         }
         // All bakes begin before the first one is waited for.
         let results: Vec<_> = making
-            .parts
+            .colliders
             .iter()
-            .map(|part| bakes.get(&part.made.source, &mut assets))
+            .map(|planned| bakes.get(&planned.made.source, &mut assets))
             .collect();
         if results.iter().any(Poll::is_pending) {
             continue;
@@ -178,16 +178,16 @@ fn make(
         making.was_ready = true;
         let mut errors = std::mem::take(&mut making.errors);
         let mut colliders = Vec::new();
-        for (part, result) in std::mem::take(&mut making.parts).into_iter().zip(results) {
-            let (Poll::Ready(result), true) = (result, nodes.contains(part.entity)) else {
+        for (planned, result) in std::mem::take(&mut making.colliders).into_iter().zip(results) {
+            let (Poll::Ready(result), true) = (result, nodes.contains(planned.entity)) else {
                 continue;
             };
-            match finish(&mut commands, &part, result, made.get(part.entity).ok()) {
-                Ok(()) => colliders.push(part.entity),
+            match finish(&mut commands, &planned, result, made.get(planned.entity).ok()) {
+                Ok(()) => colliders.push(planned.entity),
                 Err(error) => errors.push(PrefabError {
-                    entity: part.entity,
-                    file: file_of(&part.made.source),
-                    node: part.node,
+                    entity: planned.entity,
+                    file: file_of(&planned.made.source),
+                    node: planned.node,
                     fault: PrefabFault::Mesh(error),
                 }),
             }
@@ -214,12 +214,12 @@ fn make(
 /// Inserts a collider, or removes the collider of an earlier mesh.
 fn finish(
     commands: &mut Commands,
-    part: &Part,
+    planned: &PlannedCollider,
     result: Result<Handle<CollisionMesh>, MeshBakeError>,
     before: Option<&MadeFrom>,
 ) -> Result<(), MeshBakeError> {
-    let mut entity = commands.entity(part.entity);
-    entity.try_insert(part.made.clone());
+    let mut entity = commands.entity(planned.entity);
+    entity.try_insert(planned.made.clone());
     let mesh = match result {
         Ok(mesh) => mesh,
         Err(error) => {
@@ -227,7 +227,7 @@ fn finish(
             return Err(error);
         }
     };
-    let settings = &part.made.settings;
+    let settings = &planned.made.settings;
     let before = before.map(|before| &before.settings);
     entity.try_insert(MeshCollider(mesh));
     set(&mut entity, settings.density, before.and_then(|b| b.density));

@@ -1,7 +1,7 @@
 //! Which entities of a hierarchy get a collider, of which meshes and with which settings.
 
 use super::error::{PrefabError, PrefabFault};
-use super::extras::{self, Place};
+use super::extras::{self, ExtrasOwner};
 use super::make::{MadeBody, MadeFrom};
 use super::scenes::Scenes;
 use super::settings::{ColliderSettings, Layer, MeshColliderHierarchy};
@@ -37,7 +37,7 @@ pub(super) struct Node {
 
 /// A collider to make.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(super) struct PlannedCollider {
     pub entity: Entity,
     /// The name of its node.
     pub node: String,
@@ -47,7 +47,7 @@ pub(super) struct Part {
 /// The colliders to make, and errors.
 #[derive(Default)]
 pub(super) struct Plan {
-    pub parts: Vec<Part>,
+    pub colliders: Vec<PlannedCollider>,
     /// Nodes that become bodies.
     pub bodies: Vec<(Entity, ColliderSettings)>,
     /// Entities whose colliders are no longer wanted.
@@ -123,10 +123,10 @@ impl Planner<'_, '_, '_> {
         };
         planned.extend(own.iter().copied());
 
-        let place = Place::Node {
+        let owner = ExtrasOwner::Node {
             has_mesh: !own.is_empty(),
         };
-        let of_node = self.extras(node.extras.map(|extras| &*extras.value), place, true);
+        let of_node = self.extras(node.extras.map(|extras| &*extras.value), owner, true);
         let mut body = of_node.clone();
         let mut primitives = Vec::new();
         for (i, primitive) in own.iter().copied().enumerate() {
@@ -165,24 +165,24 @@ impl Planner<'_, '_, '_> {
         if body.settings.body.is_some() && !node.is_body && !node.made_body {
             self.plan.bodies.push((entity, body.settings));
         }
-        self.parts(primitives, own.len());
+        self.colliders(primitives, own.len());
     }
 
     /// The settings of a mesh, which its node's override.
     fn mesh_layer(&mut self, mesh: &NodeItem, is_node: bool, is_first: bool) -> Layer {
         let of_material = mesh.material_extras.map(|extras| &*extras.value);
-        let of_material = self.extras(of_material, Place::Mesh, true);
+        let of_material = self.extras(of_material, ExtrasOwner::Mesh, true);
         let of_mesh = mesh.mesh_extras.map(|extras| &*extras.value);
         // All primitives of a mesh have its extras.
-        let of_mesh = self.extras(of_mesh, Place::Mesh, is_first);
+        let of_mesh = self.extras(of_mesh, ExtrasOwner::Mesh, is_first);
         let own = mesh.extras.filter(|_| !is_node).map(|extras| &*extras.value);
-        let own = self.extras(own, Place::Mesh, true);
+        let own = self.extras(own, ExtrasOwner::Mesh, true);
         let default = Layer::of(&self.hierarchy.default);
         own.over(&of_mesh.over(&of_material.over(&default)))
     }
 
     /// Joins the primitives with the same settings of the same glTF mesh.
-    fn parts(&mut self, primitives: Vec<Primitive>, count: usize) {
+    fn colliders(&mut self, primitives: Vec<Primitive>, count: usize) {
         let mut groups: Vec<Vec<Primitive>> = Vec::new();
         for primitive in primitives {
             let mesh = primitive_of(primitive.mesh);
@@ -217,7 +217,7 @@ impl Planner<'_, '_, '_> {
                 stale: false,
             };
             if made(first.entity) != Some(&wanted) {
-                self.plan.parts.push(Part {
+                self.plan.colliders.push(PlannedCollider {
                     entity: first.entity,
                     node: self.at.1.clone(),
                     made: wanted,
@@ -246,8 +246,8 @@ impl Planner<'_, '_, '_> {
     }
 
     /// The settings in a glTF file.
-    fn extras(&mut self, json: Option<&str>, place: Place, tells: bool) -> Layer {
-        let (layer, errors) = json.map(|json| extras::read(json, place)).unwrap_or_default();
+    fn extras(&mut self, json: Option<&str>, owner: ExtrasOwner, tells: bool) -> Layer {
+        let (layer, errors) = json.map(|json| extras::read(json, owner)).unwrap_or_default();
         for error in errors.into_iter().filter(|_| tells) {
             self.error(error.into());
         }

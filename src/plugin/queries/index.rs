@@ -29,7 +29,7 @@ pub struct SpatialIndex {
     /// Whether the poses were given to [`update_spatial_queries_from`](super::update_spatial_queries_from).
     pub(super) has_given_poses: bool,
     /// Whether any system asks.
-    pub(super) is_wanted: bool,
+    pub(super) is_active: bool,
     /// Whether there were casters.
     pub(super) has_casters: bool,
     /// The step whose poses these are.

@@ -32,17 +32,17 @@ use bevy::prelude::*;
 #[derive(SystemParam)]
 pub struct SpatialQuery<'w, 's> {
     index: Res<'w, SpatialIndex>,
-    _wanted: Local<'s, Wanted>,
+    _activation: Local<'s, IndexActivation>,
 }
 
-/// Tells the index that a system queries.
-struct Wanted;
+/// Activates the index for a system that queries.
+struct IndexActivation;
 
-impl FromWorld for Wanted {
+impl FromWorld for IndexActivation {
     fn from_world(world: &mut World) -> Self {
         let index = world.get_resource_or_init::<SpatialIndex>();
-        if !index.is_wanted {
-            index.into_inner().is_wanted = true;
+        if !index.is_active {
+            index.into_inner().is_active = true;
             // The first query may come before the next step.
             if let Err(error) = world.run_system_cached(update_spatial_queries) {
                 error!("{error}");

@@ -7,7 +7,7 @@ use crate::plugin::clock::{Physics, PhysicsTime};
 use crate::plugin::collisions::StepReport;
 use crate::plugin::components::{ColliderDisabled, MeshCollider, RigidBodyDisabled, Sensor};
 use crate::plugin::sync::Step;
-use crate::plugin::sync::hierarchy::{self, Above, Node, Placed, above, affine, decompose, parent_in, place};
+use crate::plugin::sync::hierarchy::{self, Ancestor, Node, Placed, above, affine, decompose, parent_in, place};
 use crate::plugin::sync::planes::{IsPlane, PlaneComponents};
 use crate::state::Motion;
 use crate::types::body::{CollisionLayers, RigidBody};
@@ -47,14 +47,14 @@ pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Collid
 
 /// [`update_spatial_queries`] after a step, if any system queries.
 pub(crate) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Colliders) {
-    if index.is_wanted {
+    if index.is_active {
         update_spatial_queries(index, colliders);
     }
 }
 
 /// [`update_spatial_queries`], if the results of a step were published since.
 pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Option<Res<StepReport>>, colliders: Colliders) {
-    if index.is_wanted && report.is_some_and(|report| index.step != report.step) {
+    if index.is_active && report.is_some_and(|report| index.step != report.step) {
         update_spatial_queries(index, colliders);
     }
 }
@@ -156,21 +156,17 @@ impl Colliders<'_, '_> {
         let entity = collider.entity;
         let (body, placed) = match collider.parent {
             Some(parent) if !collider.is_body => match hierarchy::from_parent(parent.parent(), &self.nodes) {
-                Above::Body(body, up) if !self.is_rejected(body) => {
+                Ancestor::Body(body, up) if !self.is_rejected(body) => {
                     let own = affine(collider.transform);
                     (body, self.body_to_world(body, pose_of) * up * own)
                 }
-                Above::World(up) => (entity, up * affine(collider.transform)),
-                Above::Body(..) | Above::Disabled => return,
+                Ancestor::World(up) => (entity, up * affine(collider.transform)),
+                Ancestor::Body(..) | Ancestor::Disabled => return,
             },
             _ if collider.body_disabled => return,
             _ => (entity, self.body_to_world(entity, pose_of)),
         };
-        let Placed {
-            place: pose,
-            scale,
-            shear,
-        } = place(&placed);
+        let Placed { pose, scale, shear } = place(&placed);
         let mesh = match shear {
             None => self.meshes.get(&collider.mesh.0),
             Some(_) => self.step.as_ref().and_then(|step| step.sheared_mesh(entity)),
@@ -194,8 +190,8 @@ impl Colliders<'_, '_> {
     /// An entity, and the body to which it belongs.
     pub(super) fn own(&self, entity: Entity) -> impl Iterator<Item = Entity> {
         let body = match above(entity, &self.nodes) {
-            Above::Body(body, _) => Some(body),
-            Above::World(_) | Above::Disabled => None,
+            Ancestor::Body(body, _) => Some(body),
+            Ancestor::World(_) | Ancestor::Disabled => None,
         };
         std::iter::once(entity).chain(body)
     }

@@ -4,13 +4,13 @@ use super::Step;
 use super::collected::Rows;
 use super::components::Surface;
 #[cfg(feature = "gpu")]
-use super::latent::{Row, Seen};
+use super::latent::{ComponentState, Row};
 use super::order::{self, InOrder, Keyed};
 use crate::plugin::components::StableKey;
 #[cfg(feature = "gpu")]
 use crate::state::Motion;
 use crate::state::fault::BodyFault;
-use crate::state::{Body, NewPart, Place, StepInput};
+use crate::state::{Body, LocalPose, NewCompoundPart, StepInput};
 use crate::types::body::RigidBody;
 #[cfg(feature = "gpu")]
 use bevy::ecs::entity::EntityHashMap;
@@ -44,7 +44,7 @@ pub(crate) struct AssemblyPart {
     pub collider: Entity,
     /// Number in the step, if it is valid.
     pub number: Option<u32>,
-    pub place: Place,
+    pub pose: LocalPose,
     pub density: f32,
 }
 
@@ -203,9 +203,9 @@ impl Step {
             let assembly = &mut assemblies[own[0].assembly as usize];
             found.clear();
             found.extend(own.iter().filter_map(|part| {
-                Some(NewPart {
+                Some(NewCompoundPart {
                     collider: part.number?,
-                    place: part.place,
+                    pose: part.pose,
                     density: part.density,
                 })
             }));
@@ -259,7 +259,7 @@ impl Step {
             ..
         } = self;
         let arrays = &mut state.input.bodies;
-        let seen = |entity: Entity, body: &Body| Seen {
+        let seen = |entity: Entity, body: &Body| ComponentState {
             motion: body.motion(),
             asleep: !body.params.woken,
             driven: driven.contains(entity),
@@ -325,12 +325,12 @@ impl Step {
         }
         let meshes = &self.state.input.meshes;
         let parts: EntityHashMap<_> = (self.parts.iter())
-            .map(|part| (part.collider, (part.assembly, part.place)))
+            .map(|part| (part.collider, (part.assembly, part.pose)))
             .collect();
         for Candidate { id, body, .. } in &mut self.candidates {
-            if let Some((assembly, place)) = parts.get(&id.entity) {
+            if let Some((assembly, pose)) = parts.get(&id.entity) {
                 let assembly = &self.assemblies[*assembly as usize].values;
-                let placed = assembly.collider(body.mesh, place, body.scale);
+                let placed = assembly.collider(body.mesh, pose, body.scale);
                 (body.position, body.rotation) = (placed.position, placed.rotation);
                 (body.linear_velocity, body.angular_velocity) = (placed.linear_velocity, placed.angular_velocity);
             } else if let Some(motion) = motion_of(id.entity) {

@@ -1,7 +1,7 @@
 //! Colliders below other entities, and where they are.
 
 use super::components::{Surface, SurfaceComponents, SurfaceComponentsItem};
-use super::hierarchy::{self, Above, Node, Placed, affine};
+use super::hierarchy::{self, Ancestor, Node, Placed, affine};
 use crate::asset::CollisionMesh;
 use crate::plugin::components::{ColliderDisabled, MeshCollider, StableKey};
 use crate::types::body::RigidBody;
@@ -48,29 +48,29 @@ pub(crate) struct ChildColliders {
 }
 
 /// A collider below other entities as it is now.
-struct Found<'a, 'w, 's> {
+struct CurrentChild<'a, 'w, 's> {
     components: &'a ChildComponentsItem<'w, 's>,
     body: Option<Entity>,
     above: DAffine3,
 }
 
-impl Found<'_, '_, '_> {
+impl CurrentChild<'_, '_, '_> {
     fn entities(&self) -> (Option<Entity>, Entity) {
         (self.body, self.components.entity)
     }
 }
 
 impl Child {
-    fn new(found: &Found) -> Self {
-        let components = found.components;
+    fn new(current: &CurrentChild) -> Self {
+        let components = current.components;
         Self {
             collider: components.entity,
-            body: found.body,
+            body: current.body,
             key: components.key.copied(),
             mesh: components.mesh.0.id(),
             surface: components.surface.read(),
             transform: *components.transform,
-            above: found.above,
+            above: current.above,
             placed: None,
         }
     }
@@ -80,13 +80,13 @@ impl Child {
     }
 
     /// Takes what the same collider has now. Its place remains if it has not moved.
-    fn update(&mut self, found: &Found) {
-        let components = found.components;
+    fn update(&mut self, current: &CurrentChild) {
+        let components = current.components;
         self.key = components.key.copied();
         self.mesh = components.mesh.0.id();
         self.surface = components.surface.read();
-        if self.transform != *components.transform || self.above != found.above {
-            (self.transform, self.above, self.placed) = (*components.transform, found.above, None);
+        if self.transform != *components.transform || self.above != current.above {
+            (self.transform, self.above, self.placed) = (*components.transform, current.above, None);
         }
     }
 
@@ -115,12 +115,12 @@ impl ChildColliders {
         // Whether all children so far are those of the last step, in the same order.
         let mut is_same = true;
         let mut count = 0;
-        for_each(query, nodes, &mut |found| {
-            note(found.components.entity, &found.components.surface);
+        for_each(query, nodes, &mut |current| {
+            note(current.components.entity, &current.components.surface);
             let known = self.order.get(count).map(|&at| &mut self.children[at as usize]);
             count += 1;
             match known {
-                Some(known) if is_same && known.entities() == found.entities() => known.update(found),
+                Some(known) if is_same && known.entities() == current.entities() => known.update(current),
                 _ => is_same = false,
             }
         });
@@ -128,7 +128,7 @@ impl ChildColliders {
             return;
         }
         self.children.clear();
-        for_each(query, nodes, &mut |found| self.children.push(Child::new(found)));
+        for_each(query, nodes, &mut |current| self.children.push(Child::new(current)));
         let mut rows: Vec<u32> = (0..self.children.len() as u32).collect();
         rows.sort_unstable_by_key(|&row| self.children[row as usize].entities());
         self.children.sort_unstable_by_key(Child::entities);
@@ -161,7 +161,7 @@ impl ChildColliders {
             note(child.collider, &components.surface);
             count += 1;
             match hierarchy::from_parent(components.parent.parent(), nodes) {
-                Above::Body(body, above) if child.body == Some(body) => child.update(&Found {
+                Ancestor::Body(body, above) if child.body == Some(body) => child.update(&CurrentChild {
                     components: &components,
                     body: child.body,
                     above,
@@ -188,9 +188,9 @@ impl ChildColliders {
 }
 
 /// Calls `visit` with each collider below other entities that is not disabled there.
-fn for_each(query: &Query<ChildComponents, IsChild>, nodes: &Query<Node>, visit: &mut impl FnMut(&Found)) {
+fn for_each(query: &Query<ChildComponents, IsChild>, nodes: &Query<Node>, visit: &mut impl FnMut(&CurrentChild)) {
     // Siblings follow each other in most worlds.
-    let mut last: Option<(Entity, Above)> = None;
+    let mut last: Option<(Entity, Ancestor)> = None;
     for components in query {
         let parent = components.parent.parent();
         let above = match last {
@@ -199,11 +199,11 @@ fn for_each(query: &Query<ChildComponents, IsChild>, nodes: &Query<Node>, visit:
         };
         last = Some((parent, above));
         let (body, above) = match above {
-            Above::Body(body, above) => (Some(body), above),
-            Above::World(above) => (None, above),
-            Above::Disabled => continue,
+            Ancestor::Body(body, above) => (Some(body), above),
+            Ancestor::World(above) => (None, above),
+            Ancestor::Disabled => continue,
         };
-        visit(&Found {
+        visit(&CurrentChild {
             components: &components,
             body,
             above,

@@ -4,7 +4,7 @@ use super::changes::ChangesAtRest;
 use super::components::BodyComponents;
 use super::kept::ReadRules;
 use super::planes::{self, IsPlane, KeyedPlane, PlaneComponents};
-use super::reader::{Before, Hierarchy, IsBody, Meshes, Reader};
+use super::reader::{Hierarchy, IsBody, Meshes, PreviousBodies, Reader};
 use super::{Assembly, Step, named};
 use crate::plugin::clock::Physics;
 use crate::plugin::events::BodyRejected;
@@ -68,7 +68,7 @@ pub(crate) fn collect(
     step.tables.poll();
     let counts = [bodies.iter().len(), hierarchy.children.iter().len()];
     step.kept.begin(&step.state.input.bodies);
-    let before = Before {
+    let before = PreviousBodies {
         nested: step.nested.take_some(&step.kept.movers),
         driven: step.driven.take(),
     };
@@ -130,8 +130,8 @@ fn finish(
         }
     }
     std::mem::swap(&mut step.faults, &mut step.new_faults);
-    step.oddities
-        .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
+    step.warnings
+        .report(|entity, warning| warn!("{}: {warning}", named(entity)));
 }
 
 /// Reads the planes of a step, whose colliders are known.
@@ -142,13 +142,13 @@ fn read_planes(step: &mut Step, query: &Query<PlaneComponents, IsPlane>, hierarc
         has_hooks,
         &mut step.planes,
         &mut step.new_faults,
-        &mut step.oddities,
+        &mut step.warnings,
     );
     step.collected.planes.clear();
     step.state.input.planes.clear();
     for &KeyedPlane { id, plane } in &step.planes {
         if id.is_stable() && step.collected.entities.has_key(id.key) {
-            step.oddities.add_same_key(id);
+            step.warnings.add_same_key(id);
         }
         step.collected.planes.push(id);
         step.state.input.planes.push(plane);
@@ -161,7 +161,7 @@ impl Step {
     fn keep_read(&mut self, hierarchy: &Hierarchy, rules: ReadRules, counts: [usize; 2]) {
         let is_complete = self.faults.is_empty()
             && self.tables.in_bake() == 0
-            && self.oddities.were_none()
+            && self.warnings.were_none()
             && self.sheared.is_empty()
             && !self.engine.is_latent();
         if !is_complete {

@@ -1,7 +1,7 @@
 //! What the step reads of colliders and bodies.
 
+use super::component_warnings::ComponentWarnings;
 use super::hierarchy::Posed;
-use super::oddities::Oddities;
 use crate::plugin::components::*;
 use crate::state::{Body, BodyParams};
 use crate::types::body::*;
@@ -77,13 +77,13 @@ pub(crate) struct HandlingComponents {
 
 impl BodyComponentsItem<'_, '_> {
     /// Records components without effect. `has_hooks` says whether the app has hooks.
-    pub fn note(&self, has_hooks: bool, oddities: &mut Oddities) {
+    pub fn note(&self, has_hooks: bool, warnings: &mut ComponentWarnings) {
         let (entity, params) = (self.entity, &self.params);
-        self.surface.note(entity, has_hooks, oddities);
-        oddities.check(entity, "LinearDamping", params.linear_damping.map(|d| d.0));
-        oddities.check(entity, "AngularDamping", params.angular_damping.map(|d| d.0));
-        oddities.check_limit(entity, "MaxLinearSpeed", params.max_linear_speed.map(|m| m.0));
-        oddities.check_limit(entity, "MaxAngularSpeed", params.max_angular_speed.map(|m| m.0));
+        self.surface.note(entity, has_hooks, warnings);
+        warnings.check(entity, "LinearDamping", params.linear_damping.map(|d| d.0));
+        warnings.check(entity, "AngularDamping", params.angular_damping.map(|d| d.0));
+        warnings.check_limit(entity, "MaxLinearSpeed", params.max_linear_speed.map(|m| m.0));
+        warnings.check_limit(entity, "MaxAngularSpeed", params.max_angular_speed.map(|m| m.0));
     }
 
     /// The linear and the angular velocity that its components hold.
@@ -106,10 +106,10 @@ impl BodyComponentsItem<'_, '_> {
 
 impl SurfaceComponentsItem<'_, '_> {
     /// Records components without effect. `has_hooks` says whether the app has hooks.
-    pub fn note(&self, entity: Entity, has_hooks: bool, oddities: &mut Oddities) {
-        oddities.check_hooks(entity, self.hooks, has_hooks);
-        oddities.check_restitution(entity, self.restitution.map(|r| r.coefficient));
-        oddities.check(entity, "Friction", self.friction.map(|f| f.coefficient));
+    pub fn note(&self, entity: Entity, has_hooks: bool, warnings: &mut ComponentWarnings) {
+        warnings.check_hooks(entity, self.hooks, has_hooks);
+        warnings.check_restitution(entity, self.restitution.map(|r| r.coefficient));
+        warnings.check(entity, "Friction", self.friction.map(|f| f.coefficient));
     }
 
     pub fn is_sensor(&self) -> bool {

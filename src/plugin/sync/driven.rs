@@ -1,6 +1,6 @@
 //! Kinematic bodies that move by their `Transform`: in each step they go from their last pose to the written one.
 
-use super::oddities::{Oddities, Oddity};
+use super::component_warnings::{ComponentWarning, ComponentWarnings};
 use crate::plugin::components::DrivenVelocity;
 use crate::state::{Bodies, Departure};
 use crate::types::body::RigidBody;
@@ -108,14 +108,19 @@ impl DrivenBodies {
 
     /// Forgets bodies that are left out of this step, and notes each body that moves very far in it once. `number_of`
     /// gives the number of a body.
-    pub fn check(&mut self, bodies: &Bodies, number_of: impl Fn(Entity) -> Option<usize>, oddities: &mut Oddities) {
+    pub fn check(
+        &mut self,
+        bodies: &Bodies,
+        number_of: impl Fn(Entity) -> Option<usize>,
+        warnings: &mut ComponentWarnings,
+    ) {
         self.poses.retain(|&entity, _| number_of(entity).is_some());
         self.far.retain(|entity| self.poses.contains_key(entity));
         for &(entity, (start, _)) in &self.departures {
             let Some(i) = number_of(entity) else { continue };
             let way = bodies.body_motion(i).position.distance(start);
             if way > LONG_WAY * 2.0 * bodies.radius[i] && self.far.insert(entity) {
-                oddities.add(entity, Oddity::LongWay(way));
+                warnings.add(entity, ComponentWarning::LongWay(way));
             }
         }
     }

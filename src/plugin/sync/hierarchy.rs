@@ -2,7 +2,7 @@
 //! the last frame, so they are not used.
 
 use crate::plugin::components::RigidBodyDisabled;
-use crate::state::Place;
+use crate::state::LocalPose;
 use crate::types::body::RigidBody;
 use bevy::ecs::query::QueryData;
 use bevy::math::{DAffine3, DMat3, DQuat, DVec3};
@@ -23,7 +23,7 @@ pub(crate) struct Node {
 
 /// What is above a collider.
 #[derive(Clone, Copy)]
-pub(crate) enum Above {
+pub(crate) enum Ancestor {
     /// The collider's body, and the transformation from the collider's parent to the body.
     Body(Entity, DAffine3),
     /// No body. The transformation from its parent to the world.
@@ -35,7 +35,7 @@ pub(crate) enum Above {
 /// Where a collider is in its body.
 #[derive(Clone, Copy)]
 pub(crate) struct Placed {
-    pub place: Place,
+    pub pose: LocalPose,
     pub scale: Vec3,
     /// Applied to the vertices before the scale, if the mesh is sheared.
     pub shear: Option<DMat3>,
@@ -71,32 +71,32 @@ impl NodeItem<'_, '_> {
 }
 
 /// What is above the collider `entity`, which has no `RigidBody` itself.
-pub(crate) fn above(entity: Entity, nodes: &Query<Node>) -> Above {
+pub(crate) fn above(entity: Entity, nodes: &Query<Node>) -> Ancestor {
     let parent = nodes.get(entity).ok().and_then(|node| node.parent);
-    parent.map_or(Above::World(DAffine3::IDENTITY), |parent| {
+    parent.map_or(Ancestor::World(DAffine3::IDENTITY), |parent| {
         from_parent(parent.parent(), nodes)
     })
 }
 
 /// What is above a collider with this parent.
-pub(crate) fn from_parent(parent: Entity, nodes: &Query<Node>) -> Above {
+pub(crate) fn from_parent(parent: Entity, nodes: &Query<Node>) -> Ancestor {
     let mut product = DAffine3::IDENTITY;
     let mut next = Some(parent);
     while let Some(entity) = next {
         let Ok(node) = nodes.get(entity) else {
-            return Above::Disabled;
+            return Ancestor::Disabled;
         };
         if node.is_body {
             return if node.disabled {
-                Above::Disabled
+                Ancestor::Disabled
             } else {
-                Above::Body(entity, product)
+                Ancestor::Body(entity, product)
             };
         }
         product = node.affine() * product;
         next = node.parent.map(ChildOf::parent);
     }
-    Above::World(product)
+    Ancestor::World(product)
 }
 
 /// The transformation from the parent of `entity` to the world. The functions give the parent and the `Transform` of an
@@ -159,20 +159,20 @@ fn same_scale(one: &DAffine3, other: &DAffine3) -> bool {
     one.abs_diff_eq(other, MAX_SHEAR * one.col(0).length())
 }
 
-/// The place of a collider in its body, from the transformation to the axes of the body.
+/// The pose of a collider in its body, from the transformation to the axes of the body.
 pub(crate) fn place(to_body: &DAffine3) -> Placed {
     let (rotation, stretch) = decompose(&to_body.matrix3);
     let scale = DVec3::new(stretch.x_axis.x, stretch.y_axis.y, stretch.z_axis.z);
     let sheared = stretch - DMat3::from_diagonal(scale);
     let shear = [0, 1, 2].map(|axis| sheared.col(axis).length() / stretch.col(axis).length());
     let is_sheared = shear.into_iter().any(|shear| shear > MAX_SHEAR);
-    let place = Place {
+    let pose = LocalPose {
         translation: to_body.translation,
         rotation,
     };
     if !is_sheared {
         return Placed {
-            place,
+            pose,
             scale: scale.as_vec3(),
             shear: None,
         };
@@ -180,7 +180,7 @@ pub(crate) fn place(to_body: &DAffine3) -> Placed {
     // A mirrored copy would be inside out.
     let mirror = DVec3::new(stretch.determinant().signum(), 1.0, 1.0);
     Placed {
-        place,
+        pose,
         scale: mirror.as_vec3(),
         shear: Some(DMat3::from_diagonal(mirror) * stretch),
     }

@@ -28,7 +28,7 @@ pub(crate) struct ReadRules {
 }
 
 /// What has the numbers of the last step.
-pub(crate) struct Same {
+pub(crate) struct UnchangedCounts {
     /// Number of first candidates that keep their numbers.
     pub candidates: usize,
     /// Number of first colliders that keep their numbers.
@@ -172,11 +172,11 @@ impl Kept {
 
     /// How many colliders keep their numbers if these `candidates` are all colliders that are neither static nor
     /// dormant. `None` if a dormant collider would get another number.
-    pub fn same_as_before(&self, bodies: &Bodies, candidates: &[Candidate]) -> Option<Same> {
+    pub fn same_as_before(&self, bodies: &Bodies, candidates: &[Candidate]) -> Option<UnchangedCounts> {
         if !self.layout.is(bodies.layout) {
             let colliders = bodies.static_count;
             let has_dormant = bodies.dormant.count > 0;
-            return (!has_dormant).then_some(Same {
+            return (!has_dormant).then_some(UnchangedCounts {
                 candidates: 0,
                 colliders,
             });
@@ -189,7 +189,7 @@ impl Kept {
             .count();
         let next = moving.clone().nth(same);
         if next.is_none() && same == candidates.len() {
-            return Some(Same {
+            return Some(UnchangedCounts {
                 candidates: same,
                 colliders: bodies.len(),
             });
@@ -201,7 +201,7 @@ impl Kept {
         });
         let ends = [last, same.checked_sub(1).and_then(|at| moving.clone().nth(at))];
         let end = ends.into_iter().flatten().max();
-        is_after.then_some(Same {
+        is_after.then_some(UnchangedCounts {
             candidates: same,
             colliders: end.map_or(bodies.static_count, |end| end + 1),
         })

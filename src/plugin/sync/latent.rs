@@ -8,7 +8,7 @@
 
 use super::Step;
 use super::collected::Collected;
-use super::shadow::{Part, Shadow, Written};
+use super::shadow::{Shadow, StateComponent, Written};
 use crate::solver::apply_impulses_of;
 use crate::state::{Bodies, Motion};
 use crate::step::gpu::upload::Carried;
@@ -28,7 +28,7 @@ pub(crate) struct Row {
 }
 
 /// What the components of a body say.
-pub(crate) struct Seen {
+pub(crate) struct ComponentState {
     pub motion: Motion,
     pub asleep: bool,
     /// Whether the body moves by its `Transform`.
@@ -71,7 +71,7 @@ impl Latent {
         &mut self,
         colliders: impl Iterator<Item = Entity>,
         compounds: usize,
-        bodies: impl Iterator<Item = (Row, Seen)>,
+        bodies: impl Iterator<Item = (Row, ComponentState)>,
         resident: bool,
     ) {
         self.now += 1;
@@ -126,9 +126,9 @@ impl Latent {
     }
 
     /// Records that a component of a body was inserted.
-    pub fn insert(&mut self, entity: Entity, part: Part) {
+    pub fn insert(&mut self, entity: Entity, component: StateComponent) {
         if let Ok(at) = self.shadows.binary_search_by_key(&entity, |(body, _)| body.entity) {
-            self.shadows[at].1.insert(part);
+            self.shadows[at].1.insert(component);
         }
     }
 
@@ -228,16 +228,22 @@ impl Latent {
 
 /// Observes inserted components. Inserting writes the whole component, even with equal values.
 pub(crate) fn observe(app: &mut App) {
-    app.add_observer(|on: On<Insert, Transform>, step: Option<ResMut<Step>>| note(on.entity, step, Part::Pose))
-        .add_observer(|on: On<Insert, LinearVelocity>, step: Option<ResMut<Step>>| note(on.entity, step, Part::Linear))
-        .add_observer(|on: On<Insert, AngularVelocity>, step: Option<ResMut<Step>>| {
-            note(on.entity, step, Part::Angular)
-        })
-        .add_observer(|on: On<Insert, Sleeping>, step: Option<ResMut<Step>>| note(on.entity, step, Part::Sleeping));
+    app.add_observer(|on: On<Insert, Transform>, step: Option<ResMut<Step>>| {
+        note(on.entity, step, StateComponent::Pose)
+    })
+    .add_observer(|on: On<Insert, LinearVelocity>, step: Option<ResMut<Step>>| {
+        note(on.entity, step, StateComponent::Linear)
+    })
+    .add_observer(|on: On<Insert, AngularVelocity>, step: Option<ResMut<Step>>| {
+        note(on.entity, step, StateComponent::Angular)
+    })
+    .add_observer(|on: On<Insert, Sleeping>, step: Option<ResMut<Step>>| {
+        note(on.entity, step, StateComponent::Sleeping)
+    });
 }
 
-fn note(entity: Entity, step: Option<ResMut<Step>>, part: Part) {
+fn note(entity: Entity, step: Option<ResMut<Step>>, component: StateComponent) {
     if let Some(mut step) = step {
-        step.latent.insert(entity, part);
+        step.latent.insert(entity, component);
     }
 }

@@ -5,6 +5,7 @@ pub(crate) mod changes;
 mod children;
 pub(crate) mod collect;
 mod collected;
+mod component_warnings;
 pub(crate) mod components;
 pub(crate) mod driven;
 pub(crate) mod entity_hooks;
@@ -14,7 +15,6 @@ mod kept;
 mod key_order;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
-mod oddities;
 pub(crate) mod order;
 pub(crate) mod planes;
 pub(crate) mod publish;
@@ -105,7 +105,7 @@ pub(crate) struct Step {
     /// Scratch: faults of this step.
     pub new_faults: Vec<(Entity, BodyFault)>,
     /// Components without effect.
-    pub oddities: oddities::Oddities,
+    pub warnings: component_warnings::ComponentWarnings,
     /// Pairs whose collision has started and not ended.
     pub touching: TouchingPairs,
     /// Names the dormant bodies whose contacts are published.
@@ -160,7 +160,7 @@ impl Step {
             sheared: sheared::ShearedMeshes::default(),
             faults: Vec::new(),
             new_faults: Vec::new(),
-            oddities: oddities::Oddities::default(),
+            warnings: component_warnings::ComponentWarnings::default(),
             touching: TouchingPairs::default(),
             published_dormant: Revision::UNKNOWN,
             written: Vec::new(),
@@ -272,10 +272,10 @@ impl Step {
 
     /// Checks the driven bodies of this step.
     pub fn check_driven(&mut self) {
-        let (mut driven, mut oddities) = (std::mem::take(&mut self.driven), std::mem::take(&mut self.oddities));
+        let (mut driven, mut warnings) = (std::mem::take(&mut self.driven), std::mem::take(&mut self.warnings));
         let number_of = |entity| self.number_of(entity);
-        driven.check(&self.state.input.bodies, number_of, &mut oddities);
-        (self.driven, self.oddities) = (driven, oddities);
+        driven.check(&self.state.input.bodies, number_of, &mut warnings);
+        (self.driven, self.warnings) = (driven, warnings);
     }
 
     /// Moves driven bodies back to where their way begins.

@@ -1,6 +1,6 @@
 //! Reads planes.
 
-use super::oddities::{Oddities, Oddity};
+use super::component_warnings::{ComponentWarning, ComponentWarnings};
 use super::order::{self, InOrder, Keyed};
 use crate::plugin::components::*;
 use crate::state::Plane;
@@ -56,11 +56,11 @@ pub(super) fn read(
     has_hooks: bool,
     planes: &mut Vec<KeyedPlane>,
     faults: &mut Vec<(Entity, BodyFault)>,
-    oddities: &mut Oddities,
+    warnings: &mut ComponentWarnings,
 ) {
     planes.clear();
     for plane in query {
-        plane.note(has_hooks, oddities);
+        plane.note(has_hooks, warnings);
         let is_at_home = plane.parent.is_none() && plane.transform.is_none_or(|own| *own == Transform::IDENTITY);
         let to_world = (!is_at_home).then(|| to_world(plane.entity));
         match plane.half_space(to_world) {
@@ -71,7 +71,7 @@ pub(super) fn read(
             Err(fault) => faults.push((plane.entity, fault)),
         }
     }
-    order::sort(planes, |id| oddities.add_same_key(id));
+    order::sort(planes, |id| warnings.add_same_key(id));
 }
 
 impl PlaneComponentsItem<'_, '_> {
@@ -98,12 +98,12 @@ impl PlaneComponentsItem<'_, '_> {
     }
 
     /// Records components without effect. `has_hooks` says whether the app has hooks.
-    pub fn note(&self, has_hooks: bool, oddities: &mut Oddities) {
-        oddities.check_hooks(self.entity, self.hooks, has_hooks);
-        oddities.check_restitution(self.entity, self.restitution.map(|r| r.coefficient));
-        oddities.check(self.entity, "Friction", self.friction.map(|f| f.coefficient));
+    pub fn note(&self, has_hooks: bool, warnings: &mut ComponentWarnings) {
+        warnings.check_hooks(self.entity, self.hooks, has_hooks);
+        warnings.check_restitution(self.entity, self.restitution.map(|r| r.coefficient));
+        warnings.check(self.entity, "Friction", self.friction.map(|f| f.coefficient));
         if self.kind.is_some_and(|&kind| kind != RigidBody::Static) && !self.is_body {
-            oddities.add(self.entity, Oddity::PlaneDoesNotMove);
+            warnings.add(self.entity, ComponentWarning::PlaneDoesNotMove);
         }
     }
 

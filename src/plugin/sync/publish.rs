@@ -2,7 +2,7 @@
 
 use super::Step;
 use super::hierarchy::{parent_in, sort_top_down, world_above};
-use super::touching::Told;
+use super::touching::CollisionWriters;
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
 use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
@@ -250,7 +250,7 @@ pub(crate) fn publish(
     mut collisions: ResMut<Collisions>,
     mut report: ResMut<StepReport>,
     hysteresis: Res<EventHysteresis>,
-    mut told: Told,
+    mut writers: CollisionWriters,
 ) {
     let step = &mut *step;
     (report.in_flight, report.waits) = step.engine.flights();
@@ -259,7 +259,7 @@ pub(crate) fn publish(
     }
     step.warn_of_crowd(report.crowded_bodies);
     step.report(&mut report);
-    step.touch(&mut collisions, seconds(*hysteresis), &mut told);
+    step.touch(&mut collisions, seconds(*hysteresis), &mut writers);
     report.total = step.begun.elapsed();
     let Some(results) = &mut step.results else { return };
     std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);

@@ -3,7 +3,7 @@
 use super::children::{Child, ChildComponents, IsChild};
 use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
-use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed};
+use super::hierarchy::{self, Ancestor, NestedBodies, Node, Placed, Posed};
 use super::kept::{Kept, ReadRules};
 use super::order::{self, Keyed};
 use super::sheared::Sheared;
@@ -54,7 +54,8 @@ pub(crate) struct Meshes<'w> {
 impl Hierarchy<'_, '_> {
     /// Whether a body has descendants that become colliders.
     fn will_have_children(&self, body: Entity) -> bool {
-        let is_above = |entity| matches!(hierarchy::above(entity, &self.nodes), Above::Body(above, _) if above == body);
+        let is_above =
+            |entity| matches!(hierarchy::above(entity, &self.nodes), Ancestor::Body(above, _) if above == body);
         self.to_come.iter().any(is_above)
     }
 
@@ -96,7 +97,7 @@ impl Hierarchy<'_, '_> {
 }
 
 /// What bodies were in the last step.
-pub(super) struct Before {
+pub(super) struct PreviousBodies {
     pub nested: NestedBodies,
     pub driven: DrivenBodies,
 }
@@ -106,7 +107,7 @@ pub(super) struct Reader<'a, 'w> {
     pub step: &'a mut Step,
     pub meshes: &'a Meshes<'w>,
     pub rules: ReadRules,
-    pub before: Before,
+    pub before: PreviousBodies,
     /// Whether the mesh of some collider is not there.
     pub misses_mesh: bool,
 }
@@ -124,7 +125,7 @@ impl Reader<'_, '_> {
 
     /// Adds a body if it is its only collider, or else adds it to `others`.
     fn add(&mut self, body: &mut BodyComponentsItem, others: &mut Vec<Entity>) {
-        body.note(self.rules.has_hooks, &mut self.step.oddities);
+        body.note(self.rules.has_hooks, &mut self.step.warnings);
         if self.is_single(body) {
             let posed = Posed::root(body.transform);
             self.single(body, &posed);
@@ -169,13 +170,13 @@ impl Reader<'_, '_> {
             step.last_nested = std::mem::take(&mut self.before.nested);
         }
         // The order of a query depends on archetypes. That of keys does not.
-        order::sort(&mut step.candidates, |id| step.oddities.add_same_key(id));
+        order::sort(&mut step.candidates, |id| step.warnings.add_same_key(id));
         step.fill();
         let children = &step.children;
         let moving = (hierarchy.bare.iter())
             .filter(|&(entity, &kind)| kind != RigidBody::Static && !children.are_below(entity))
             .filter(|&(entity, _)| !hierarchy.will_have_children(entity));
-        step.oddities.count_bare(moving.map(|(entity, _)| entity));
+        step.warnings.count_bare(moving.map(|(entity, _)| entity));
     }
 
     /// Forgets what has been read or kept, and finds the colliders below entities.
@@ -186,16 +187,16 @@ impl Reader<'_, '_> {
         step.assemblies.clear();
         step.parts.clear();
         step.kept_assemblies = 0;
-        step.oddities.restart();
+        step.warnings.restart();
         step.driven.take();
         step.kept.forget();
         step.kept.movers.clear();
         let known = std::mem::replace(&mut self.before.nested, step.nested.take());
         self.before.nested.0.extend(known.0);
         self.misses_mesh = false;
-        let (has_hooks, oddities) = (self.rules.has_hooks, &mut step.oddities);
+        let (has_hooks, warnings) = (self.rules.has_hooks, &mut step.warnings);
         (step.children).find(&hierarchy.children, &hierarchy.nodes, |entity, surface| {
-            surface.note(entity, has_hooks, oddities);
+            surface.note(entity, has_hooks, warnings);
         });
     }
 
@@ -286,7 +287,7 @@ impl Reader<'_, '_> {
             if !self.is_single(&body) || self.step.assembly(entity).is_some() {
                 return false;
             }
-            body.note(self.rules.has_hooks, &mut self.step.oddities);
+            body.note(self.rules.has_hooks, &mut self.step.warnings);
             let posed = Posed::root(body.transform);
             self.single(&mut body, &posed);
             let Some(Candidate { id, body, .. }) = self.step.candidates.pop() else {
@@ -319,7 +320,7 @@ impl Reader<'_, '_> {
         step.new_faults.clear();
         step.candidates.clear();
         step.parts.clear();
-        step.oddities.restart();
+        step.warnings.restart();
         step.driven.take();
         step.kept.has_news = true;
         self.moving(bodies, hierarchy, counts)
@@ -328,14 +329,14 @@ impl Reader<'_, '_> {
     /// Adds the colliders that are children of moving bodies, if there are `count` children in all.
     fn moving_children(&mut self, hierarchy: &Hierarchy, count: usize) -> bool {
         let mut children = std::mem::take(&mut self.step.children);
-        let (kept, oddities) = (&self.step.kept, &mut self.step.oddities);
+        let (kept, warnings) = (&self.step.kept, &mut self.step.warnings);
         let has_hooks = self.rules.has_hooks;
         let found = children.update(
             &kept.moving_children,
             &hierarchy.children,
             &hierarchy.nodes,
             |entity, surface| {
-                surface.note(entity, has_hooks, oddities);
+                surface.note(entity, has_hooks, warnings);
             },
         );
         let is_same = found.is_some_and(|found| count == kept.counts[1] + found);
@@ -490,19 +491,19 @@ impl Reader<'_, '_> {
         id: Keyed,
         mesh: AssetId<CollisionMesh>,
         surface: &Surface,
-        &Placed { place, scale, shear }: &Placed,
+        &Placed { pose, scale, shear }: &Placed,
     ) {
         let Some(mesh) = self.mesh(id.entity, mesh, surface, shear.as_ref()) else {
             return;
         };
         let assembly = &self.step.assemblies[number as usize];
-        let mut part = assembly.values.collider(mesh, &place, scale);
+        let mut part = assembly.values.collider(mesh, &pose, scale);
         surface.apply(&mut part, surface.culling.unwrap_or(self.rules.culling));
         self.step.parts.push(AssemblyPart {
             assembly: number,
             collider: id.entity,
             number: None,
-            place,
+            pose,
             density: part.density,
         });
         let is_joined = part.kind != RigidBody::Static;
@@ -516,7 +517,7 @@ impl Reader<'_, '_> {
     /// Adds a static collider below other entities.
     fn fixed(&mut self, child: &mut Child) {
         let (entity, surface) = (child.collider, child.surface);
-        let Placed { place, scale, shear } = child.place(&DMat3::IDENTITY);
+        let Placed { pose, scale, shear } = child.place(&DMat3::IDENTITY);
         let Some(mesh) = self.mesh(entity, child.mesh, &surface, shear.as_ref()) else {
             return;
         };
@@ -524,7 +525,7 @@ impl Reader<'_, '_> {
             kind: RigidBody::Static,
             ..Body::at_rest(mesh, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)
         };
-        let mut fixed = origin.collider(mesh, &place, scale);
+        let mut fixed = origin.collider(mesh, &pose, scale);
         surface.apply(&mut fixed, surface.culling.unwrap_or(self.rules.culling));
         let id = Keyed::new(entity, child.key);
         self.step.candidates.push(Candidate::single(id, fixed));

@@ -48,7 +48,7 @@ struct Track {
 
 /// Components of a body whose insertion matters.
 #[derive(Clone, Copy)]
-pub(crate) enum Part {
+pub(crate) enum StateComponent {
     Pose,
     Linear,
     Angular,
@@ -65,7 +65,7 @@ struct Inserted {
 
 /// The effect of a component's value on the state of the body on the device.
 #[derive(Clone, Copy, PartialEq)]
-enum Meaning {
+enum WriteEffect {
     /// The whole value replaces the state.
     Whole,
     /// The axes that changed replace those of the state.
@@ -125,12 +125,12 @@ impl Shadow {
     }
 
     /// Records that a component was inserted.
-    pub fn insert(&mut self, part: Part) {
-        match part {
-            Part::Pose => self.inserted.pose = true,
-            Part::Linear => self.inserted.linear = true,
-            Part::Angular => self.inserted.angular = true,
-            Part::Sleeping => self.inserted.sleeping = true,
+    pub fn insert(&mut self, component: StateComponent) {
+        match component {
+            StateComponent::Pose => self.inserted.pose = true,
+            StateComponent::Linear => self.inserted.linear = true,
+            StateComponent::Angular => self.inserted.angular = true,
+            StateComponent::Sleeping => self.inserted.sleeping = true,
         }
     }
 
@@ -148,12 +148,12 @@ impl Shadow {
     /// `resident` bodies stay on the device.
     pub fn carry(&self, source: u32, seen: &Motion, resident: bool) -> Carried {
         let pose_known = self.moved <= self.read;
-        let pose = Meaning::of(self.inserted.pose || pose_known, resident);
-        let velocity = |inserted| Meaning::of(inserted || self.pushed <= self.read, resident);
+        let pose = WriteEffect::of(self.inserted.pose || pose_known, resident);
+        let velocity = |inserted| WriteEffect::of(inserted || self.pushed <= self.read, resident);
         Carried {
             source,
             position: self.position.carry(seen.position, pose),
-            rotation: pose != Meaning::Whole && self.rotation == seen.rotation,
+            rotation: pose != WriteEffect::Whole && self.rotation == seen.rotation,
             linear: self.linear.carry(seen.linear_velocity, velocity(self.inserted.linear)),
             angular: self
                 .angular
@@ -235,12 +235,12 @@ impl Shadow {
 }
 
 impl Track {
-    fn carry(&self, seen: Vec3, meaning: Meaning) -> CarriedVector {
+    fn carry(&self, seen: Vec3, effect: WriteEffect) -> CarriedVector {
         let same = self.shown.cmpeq(seen);
-        let axes = match meaning {
-            Meaning::Whole => BVec3::FALSE,
-            Meaning::Parts => same,
-            Meaning::Differences => BVec3::TRUE,
+        let axes = match effect {
+            WriteEffect::Whole => BVec3::FALSE,
+            WriteEffect::Parts => same,
+            WriteEffect::Differences => BVec3::TRUE,
         };
         CarriedVector {
             axes,
@@ -265,7 +265,7 @@ impl Track {
     }
 }
 
-impl Meaning {
+impl WriteEffect {
     fn of(whole: bool, resident: bool) -> Self {
         match (whole, resident) {
             (true, _) => Self::Whole,

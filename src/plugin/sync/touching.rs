@@ -126,7 +126,7 @@ impl TouchingPairs {
 impl Step {
     /// Finds which pairs touch after a step, and reports which collisions have started or ended. A collision ends
     /// `hold` seconds after the last touch.
-    pub fn touch(&mut self, collisions: &mut Collisions, hold: f32, told: &mut Told) {
+    pub fn touch(&mut self, collisions: &mut Collisions, hold: f32, writers: &mut CollisionWriters) {
         let has_new_dormant = self.has_new_dormant();
         let Self {
             state,
@@ -167,20 +167,20 @@ impl Step {
             bodies != before.bodies.map(Some) || was_taken_away(before)
         });
         differences(&touching.pairs, &touching.now, |touching, starts| {
-            told.send(touching, starts)
+            writers.send(touching, starts)
         });
         std::mem::swap(&mut touching.pairs, &mut touching.now);
         if has_new_dormant {
             *published_dormant = state.input.bodies.dormant.name;
             touching.separate(&collisions.dormant_contacts, results, hold);
         }
-        told.list(touching);
+        writers.list(touching);
     }
 }
 
-/// Where collisions are told.
+/// Where collisions are written.
 #[derive(SystemParam)]
-pub(crate) struct Told<'w, 's> {
+pub(crate) struct CollisionWriters<'w, 's> {
     started: MessageWriter<'w, CollisionStart>,
     ended: MessageWriter<'w, CollisionEnd>,
     observed: Query<'w, 's, (), With<CollisionEventsEnabled>>,
@@ -188,7 +188,7 @@ pub(crate) struct Told<'w, 's> {
     commands: Commands<'w, 's>,
 }
 
-impl Told<'_, '_> {
+impl CollisionWriters<'_, '_> {
     /// Sends a message of a collision that starts or ends, and triggers its events.
     fn send(&mut self, touching: &Touching, starts: bool) {
         let ([a, b], [body_a, body_b]) = (touching.colliders(), touching.bodies);

@@ -2,7 +2,7 @@
 
 use super::buffers::StepCapacity;
 use super::contact_programs::{ContactPrograms, START};
-use super::recent::Recent;
+use super::peak_usage::PeakUsage;
 use super::record::{all_kernels, all_modules, impulse_program, report_kernels};
 use super::{Compiled, GpuStep, StepError};
 use crate::gpu::arena::{Arena, Change};
@@ -68,7 +68,7 @@ impl GpuStep {
 
     /// Makes lists shorter that steps have used little of for a while.
     pub(super) fn shrink(&mut self) -> Result<(), StepError> {
-        if !self.recent.is_full() {
+        if !self.peak_usage.is_full() {
             return Ok(());
         }
         if self.shrunk().is_some() {
@@ -78,13 +78,14 @@ impl GpuStep {
                 self.resize(capacity, for_contacts)?;
             }
         }
-        self.recent = Recent::default();
+        self.peak_usage = PeakUsage::default();
         Ok(())
     }
 
     fn shrunk(&self) -> Option<(Capacity, Option<StepCapacity>)> {
         let for_contacts = self.contacts.as_ref().map(ContactPrograms::capacity);
-        self.recent.shrunk(self.buffers.capacity, for_contacts, super::START)
+        self.peak_usage
+            .shrunk(self.buffers.capacity, for_contacts, super::START)
     }
 
     /// Replaces the buffers, and returns whether the meshes were written again. `for_contacts` is given if there are
@@ -117,7 +118,7 @@ impl GpuStep {
             (self.program, self.buffers) = (program, buffers);
         }
         self.contacts = contacts;
-        self.known.clear();
+        self.buffer_contents.clear();
         self.between = work.after(&self.between);
         self.spare.clear();
         if differs {

@@ -5,18 +5,18 @@
 //! nothing overflowed in any of its collision substeps. So a step can be repeated.
 
 use super::buffers::{StepBuffers, StepCapacity};
+use super::readback_lengths::ReadbackLengths;
 use super::record::Recorder;
-use super::room::Room;
 use super::solver_input::SolverInput;
+use crate::gpu::buffer_contents::BufferContents;
 use crate::gpu::buffers::{Buffers, TooLarge};
 use crate::gpu::commands::Commands;
 use crate::gpu::device::Gpu;
-use crate::gpu::known::Known;
 use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::timer::Timer;
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, ContactScratch};
 use crate::solver::gpu::SolverBuffers;
-use crate::step::order::Place;
+use crate::step::order::SubstepPosition;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 
@@ -96,8 +96,12 @@ impl ContactPrograms {
         let simple = recorder(Response::None, buffers, &capacity);
         let contacts = recorder(Response::Contacts, buffers, &capacity);
         let bind = |calls: Calls| made.bind(gpu, buffers, &calls);
-        let [first, middle, last] = [Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)];
-        let report = bind(simple.calls(&Stage::ALL, Place::of(0, 1)));
+        let [first, middle, last] = [
+            SubstepPosition::of(0, 3),
+            SubstepPosition::of(1, 3),
+            SubstepPosition::of(2, 3),
+        ];
+        let report = bind(simple.calls(&Stage::ALL, SubstepPosition::of(0, 1)));
         if capacity.solves {
             let after_reach = Recorder {
                 is_begun: true,
@@ -114,7 +118,7 @@ impl ContactPrograms {
             // The program is the same in every collision substep.
             let solve = [false, true].map(|may_sleep| {
                 let recorder = Recorder { may_sleep, ..contacts };
-                bind(recorder.calls(&[Stage::ForceScan], Place::of(0, 1)))
+                bind(recorder.calls(&[Stage::ForceScan], SubstepPosition::of(0, 1)))
             });
             made.solve = solve;
             [
@@ -156,14 +160,21 @@ impl ContactPrograms {
     }
 
     /// Writes the lengths of the lists, and the numbers of bodies and planes.
-    pub fn write_limits(&self, commands: &mut Commands, known: &mut Known, bodies: u32, planes: u32, room: &Room) {
+    pub fn write_limits(
+        &self,
+        commands: &mut Commands,
+        contents: &mut BufferContents,
+        bodies: u32,
+        planes: u32,
+        lengths: &ReadbackLengths,
+    ) {
         let capacity = ContactCapacity {
-            pairs: room.contact_pairs,
-            points: room.contact_points,
+            pairs: lengths.contact_pairs,
+            points: lengths.contact_points,
             ..self.contacts.capacity
         };
         let limits = capacity.limits(bodies, planes);
-        commands.write_changes(known, &self.contacts.limits, bytemuck::bytes_of(&limits));
+        commands.write_changes(contents, &self.contacts.limits, bytemuck::bytes_of(&limits));
     }
 
     /// Records a step without response, which reports contact points.
@@ -258,11 +269,11 @@ impl ContactPrograms {
         &self,
         commands: &mut Commands,
         input: &SolverInput,
-        place: Place,
+        position: SubstepPosition,
         number: u32,
         timer: Option<&Timer>,
     ) {
-        let program = if place.is_last { &self.last } else { &self.between };
+        let program = if position.is_last { &self.last } else { &self.between };
         let around = timer.map(|timer| timer.around(Stage::Integrate, number));
         program.record(Stage::Integrate, commands, input.population(), around);
     }

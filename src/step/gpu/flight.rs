@@ -1,8 +1,8 @@
 //! A step in flight: submitted, with results that have not been read.
 
 use super::fast_bodies::Impacts;
-use super::results::{Detail, Parts, Raw};
-use super::room::Room;
+use super::readback_lengths::ReadbackLengths;
+use super::results::{Detail, RawResults, StagingRanges};
 use super::upload::Input;
 use crate::gpu::device::Gpu;
 use crate::gpu::readback::{DeviceError, poll, request, view};
@@ -24,8 +24,8 @@ pub(super) struct Flight {
     /// Receives the results.
     pub staging: Buffer,
     /// How much of each list is read.
-    pub room: Room,
-    parts: Parts,
+    pub lengths: ReadbackLengths,
+    ranges: StagingRanges,
     submission: SubmissionIndex,
     /// A receiver is not `Sync`, but steps are shared with systems. Only [`Flight::wait`] locks it.
     mapped: Mutex<Receiver<Result<(), BufferAsyncError>>>,
@@ -36,22 +36,22 @@ impl Flight {
     pub fn new(
         input: Input,
         detail: Detail,
-        room: Room,
-        parts: Parts,
+        lengths: ReadbackLengths,
+        ranges: StagingRanges,
         staging: Buffer,
         submission: SubmissionIndex,
         work: GpuWork,
         impacts: Impacts,
     ) -> Self {
-        let mapped = request(&staging, parts.total);
+        let mapped = request(&staging, ranges.total);
         Self {
             input,
             detail,
             work,
             impacts,
             staging,
-            room,
-            parts,
+            lengths,
+            ranges,
             submission,
             mapped: Mutex::new(mapped),
         }
@@ -61,7 +61,7 @@ impl Flight {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn wait(&mut self, gpu: &Gpu) -> Result<(Raw, bool), DeviceError> {
+    pub fn wait(&mut self, gpu: &Gpu) -> Result<(RawResults, bool), DeviceError> {
         poll(gpu, PollType::Poll)?;
         let mapped = self.mapped.get_mut().unwrap_or_else(PoisonError::into_inner);
         let (result, waited) = match mapped.try_recv() {
@@ -77,8 +77,8 @@ impl Flight {
             Ok(result) => (result, false),
         };
         result.map_err(DeviceError::failed)?;
-        let bytes = view(gpu, &self.staging, self.parts.total)?;
-        let raw = self.parts.read(&bytes);
+        let bytes = view(gpu, &self.staging, self.ranges.total)?;
+        let raw = self.ranges.read(&bytes);
         drop(bytes);
         self.staging.unmap();
         Ok((raw, waited))

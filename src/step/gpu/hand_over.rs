@@ -101,7 +101,7 @@ impl DeviceMemory {
                     inputs: *inputs,
                     place: part
                         .zip(compound)
-                        .map(|(part, compound)| (part.place, compound.local_center)),
+                        .map(|(part, compound)| (part.pose, compound.local_center)),
                     position: moved.position.into(),
                     rotation: Quat::from_array(moved.rotation),
                 },
@@ -169,7 +169,7 @@ fn compounds(bodies: &[SavedBody]) -> (Vec<LastCompound>, Vec<LastPart>) {
     let mut compounds: Vec<LastCompound> = Vec::new();
     let mut parts = Vec::new();
     for (collider, saved) in (0..).zip(bodies) {
-        let Some((place, local_center)) = saved.inputs.place else {
+        let Some((pose, local_center)) = saved.inputs.place else {
             continue;
         };
         // A body has the number of its first collider, so compounds are found in ascending order.
@@ -182,7 +182,7 @@ fn compounds(bodies: &[SavedBody]) -> (Vec<LastCompound>, Vec<LastPart>) {
         parts.push(LastPart {
             collider,
             compound,
-            place,
+            pose,
         });
     }
     (compounds, parts)

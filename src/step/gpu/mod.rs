@@ -17,8 +17,8 @@
 //! | `flight` | a step in flight |
 //! | `rest` | steps in which all bodies sleep |
 //! | `overflow` | repetition of steps whose lists overflowed |
-//! | `capacity`, `recent` | creation of buffers; lists that become shorter |
-//! | `results`, `room` | the results of a step, and how much of them is read back |
+//! | `capacity`, `peak_usage` | creation of buffers; lists that become shorter |
+//! | `results`, `readback_lengths` | the results of a step, and how much of them is read back |
 //! | `memory` | the memory between steps, for snapshots |
 //! | `hand_over` | the same memory on the CPU |
 
@@ -30,23 +30,23 @@ mod flight;
 mod hand_over;
 pub mod memory;
 mod overflow;
+mod peak_usage;
 mod poses;
 mod reach;
-mod recent;
+mod readback_lengths;
 pub mod record;
 pub mod remap;
 mod rest;
 pub mod results;
-mod room;
 mod solver_input;
 mod submit;
 pub mod upload;
 
 use crate::ccd::stage::Ccd;
 use crate::gpu::arena::Arena;
+use crate::gpu::buffer_contents::BufferContents;
 use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::device::{Gpu, NoGpu};
-use crate::gpu::known::Known;
 use crate::gpu::layout;
 use crate::gpu::program::{Population, Program};
 use crate::gpu::readback::{DeviceError, read_words, scoped};
@@ -60,14 +60,14 @@ use crate::types::gpu_work::GpuWork;
 use crate::types::settings::Response;
 use contact_programs::ContactPrograms;
 use flight::Flight;
+use peak_usage::PeakUsage;
 pub use poses::Poses;
 use reach::RecentSubsteps;
-use recent::Recent;
+use readback_lengths::RecentLengths;
 use record::{all_modules, impulse_kernels, impulse_program};
 use remap::LastBodies;
 use rest::Rest;
 use results::{Detail, Output};
-use room::RecentRoom;
 use solver_input::HostSpeeds;
 use std::collections::VecDeque;
 use thiserror::Error;
@@ -107,13 +107,13 @@ pub struct GpuStep {
     host_speeds: VecDeque<HostSpeeds>,
     timer: Option<Timer>,
     /// The input that is on the device.
-    known: Known,
+    buffer_contents: BufferContents,
     /// The memory of a batch of pairs whose contact points are made.
     batch_size: BatchSize,
     /// The use of lists.
-    recent: Recent,
+    peak_usage: PeakUsage,
     /// The use of lists that are read back.
-    room: RecentRoom,
+    recent_lengths: RecentLengths,
     /// Continuous collision.
     ccd: Ccd,
     /// Submitted steps, oldest first.
@@ -194,9 +194,9 @@ impl GpuStep {
                 host_speeds: VecDeque::new(),
                 compiled: Compiled::Impulses,
                 timer,
-                known: Known::default(),
-                recent: Recent::default(),
-                room: RecentRoom::default(),
+                buffer_contents: BufferContents::default(),
+                peak_usage: PeakUsage::default(),
+                recent_lengths: RecentLengths::default(),
                 ccd: Ccd::default(),
                 flights: VecDeque::new(),
                 rest: None,
@@ -325,7 +325,7 @@ impl GpuStep {
 
     fn fail(&mut self) {
         self.forget();
-        self.known.clear();
+        self.buffer_contents.clear();
         // Which meshes were written is unknown, so the next step writes all.
         self.arena = self.empty_arena();
     }

@@ -7,9 +7,9 @@
 use super::buffers::StepCapacity;
 use super::fast_bodies::FastBodies;
 use super::flight::Flight;
+use super::readback_lengths::ReadbackLengths;
 use super::rest::Rest;
-use super::results::{Output, Raw};
-use super::room::Room;
+use super::results::{Output, RawResults};
 use super::upload::Input;
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
@@ -56,7 +56,7 @@ impl GpuStep {
                 let output = raw.sort(&flight.input, &flight.impacts, self.timer.as_ref());
                 let output = Output { work, ..output };
                 self.rest = Rest::of(&output, flight.detail);
-                self.room.add(Room::used(&work.lists));
+                self.recent_lengths.add(ReadbackLengths::used(&work.lists));
                 return Ok(output);
             }
             if !self.repeat(&raw.counters, &raw.tally, fast_bodies)? {
@@ -69,7 +69,7 @@ impl GpuStep {
     }
 
     /// What a step asked of the device, with memory and lists.
-    fn work_of(&self, flight: &Flight, raw: &Raw) -> GpuWork {
+    fn work_of(&self, flight: &Flight, raw: &RawResults) -> GpuWork {
         let of = |length: u32, capacity: u32| GpuList { length, capacity };
         let counter = |counter: u32| raw.counters[counter as usize];
         let capacity = &self.buffers.capacity;
@@ -135,7 +135,7 @@ impl GpuStep {
             // Games shoot again.
             has_fast_bodies: false,
         });
-        self.recent.add(used, for_contacts);
+        self.peak_usage.add(used, for_contacts);
     }
 
     /// Repeats all steps in flight with longer lists, or with more collision substeps. Returns whether lists or
@@ -157,14 +157,14 @@ impl GpuStep {
                 ..has
             }
         });
-        let room = Room::in_buffers(&needed, for_contacts);
-        let lacks_room = self.flights.front().is_some_and(|flight| flight.room.lacks(room));
+        let lengths = ReadbackLengths::in_buffers(&needed, for_contacts);
+        let lacks_length = self.flights.front().is_some_and(|flight| flight.lengths.lacks(lengths));
         let substeps = counters[NEEDED_SUBSTEPS as usize];
         let lacks_substeps = (self.flights.front()).is_some_and(|flight| flight.input.recorded_substeps() < substeps);
-        if !lacks_room && !lacks_substeps && !self.needs_growth(needed, for_contacts) {
+        if !lacks_length && !lacks_substeps && !self.needs_growth(needed, for_contacts) {
             return Ok(false);
         }
-        self.room.raise(room);
+        self.recent_lengths.raise(lengths);
         self.reserve(needed, for_contacts)?;
         let mut between = std::mem::take(&mut self.between);
         for mut flight in std::mem::take(&mut self.flights) {

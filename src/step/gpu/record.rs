@@ -11,7 +11,7 @@ use crate::gpu::shader::{Module, Shaders, module};
 use crate::manifolds::gpu::ContactCapacity;
 use crate::manifolds::gpu::record::per_64_slots;
 use crate::solver::gpu::layout::{COUNTERS, PAIRS, POINTS, SavedPair, SavedPoint};
-use crate::step::order::{Part, Place, parts};
+use crate::step::order::{Part, SubstepPosition, parts};
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use crate::{angles, broad_phase, force_scan, integrate, manifolds, sleep, solver, triangle_test};
@@ -109,16 +109,16 @@ pub struct Recorder<'s> {
 
 impl Recorder<'_> {
     /// The calls of a collision substep that belong to these stages.
-    pub fn calls(&self, stages: &[Stage], place: Place) -> Calls {
+    pub fn calls(&self, stages: &[Stage], position: SubstepPosition) -> Calls {
         let mut calls = Calls::new(Stage::BroadPhase);
-        for part in parts(self.response, place).filter(|part| stages.contains(&part.stage())) {
+        for part in parts(self.response, position).filter(|part| stages.contains(&part.stage())) {
             calls.stage(part.stage());
-            self.part(&mut calls, part, place);
+            self.part(&mut calls, part, position);
         }
         calls
     }
 
-    fn part(&self, calls: &mut Calls, part: Part, place: Place) {
+    fn part(&self, calls: &mut Calls, part: Part, position: SubstepPosition) {
         let with_contacts = self.response == Response::Contacts;
         let (per_body, per_compound) = (Groups::PerBodies(64), Groups::PerCompounds(64));
         match part {
@@ -126,7 +126,7 @@ impl Recorder<'_> {
             Part::Begin if with_contacts => begin(calls),
             Part::Begin => broad_phase::gpu::record_place(calls),
             Part::FindSpherePairs => {
-                if with_contacts && !place.is_first {
+                if with_contacts && !position.is_first {
                     calls.call(&reach::BEGIN_SUBSTEP, Groups::Exactly(1));
                 }
                 broad_phase::gpu::record_search(calls, self.capacity);
@@ -168,7 +168,7 @@ impl Recorder<'_> {
             Part::StopFastBodies => {}
             // In the last collision substep `Part::Remember` moves the bodies, so that a step that has to be repeated
             // starts from their old poses.
-            Part::MoveBodies if place.is_last => {}
+            Part::MoveBodies if position.is_last => {}
             Part::MoveBodies => {
                 calls.call(&MOVE_BODIES, per_body);
                 calls.call(&MOVE_COMPOUNDS, per_compound);
@@ -221,7 +221,7 @@ pub fn impulse_calls(capacity: &Capacity) -> Calls {
         may_sleep: false,
         is_begun: false,
     };
-    recorder.calls(&Stage::ALL, Place::of(0, 1))
+    recorder.calls(&Stage::ALL, SubstepPosition::of(0, 1))
 }
 
 /// The kernels of such a step, whatever its capacity: lists may grow at any time.
@@ -250,7 +250,7 @@ pub fn report_kernels() -> impl Iterator<Item = &'static Kernel> {
             may_sleep: false,
             is_begun: false,
         };
-        recorder.calls(&Stage::ALL, Place::of(0, 1))
+        recorder.calls(&Stage::ALL, SubstepPosition::of(0, 1))
     })
 }
 

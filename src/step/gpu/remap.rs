@@ -3,7 +3,7 @@
 use crate::gpu::layout::{CARRIED_SLEEP, CONTINUES, WOKEN};
 use crate::sleep::inputs::SleepInputs;
 use crate::state::inactive::GONE;
-use crate::state::{Bodies, Place, Plane, StepInput};
+use crate::state::{Bodies, LocalPose, Plane, StepInput};
 use crate::step::remap;
 use crate::types::body::RigidBody;
 use glam::{DVec3, Vec3};
@@ -39,7 +39,7 @@ pub(super) struct LastCompound {
 pub(super) struct LastPart {
     pub collider: u32,
     pub compound: u32,
-    pub place: Place,
+    pub pose: LocalPose,
 }
 
 /// Where the state of a compound after the last step is, and what carries over.
@@ -168,7 +168,7 @@ impl LastBodies {
                 .map(|part| LastPart {
                     collider: part.collider,
                     compound: part.compound,
-                    place: part.place,
+                    pose: part.pose,
                 })
                 .collect(),
             planes: planes.clone(),
@@ -237,7 +237,7 @@ impl LastBodies {
             let compound = &mut compounds[part.compound as usize];
             let same = last_part(part.collider).is_some_and(|last| {
                 let same_inputs = sleep_inputs[i] == self.sleep_inputs[last.collider as usize];
-                self.len() as u32 + last.compound == compound.row && last.place == part.place && same_inputs
+                self.len() as u32 + last.compound == compound.row && last.pose == part.pose && same_inputs
             });
             if !(same && keeps_sleep(bodies, i, same_gravity)) {
                 compound.carried &= !CARRIED_SLEEP;

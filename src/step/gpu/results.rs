@@ -2,7 +2,7 @@
 
 use super::contact_programs::ContactPrograms;
 use super::fast_bodies::Impacts;
-use super::room::Room;
+use super::readback_lengths::ReadbackLengths;
 use super::upload::Input;
 use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::Buffers;
@@ -74,7 +74,7 @@ pub struct Output {
 }
 
 /// The ranges of the results in the staging buffer.
-pub(super) struct Parts {
+pub(super) struct StagingRanges {
     counters: Range<u64>,
     times: Range<u64>,
     moved: Range<u64>,
@@ -90,10 +90,10 @@ pub(super) struct Parts {
     pub total: u64,
 }
 
-impl Parts {
+impl StagingRanges {
     /// Ranges for lists of these lengths. `has_points` tells whether there are contact points, and `substeps` for how many
     /// collision substeps there are times.
-    pub fn new(room: &Room, has_points: bool, input: &Input, substeps: u32, detail: Detail) -> Self {
+    pub fn new(lengths: &ReadbackLengths, has_points: bool, input: &Input, substeps: u32, detail: Detail) -> Self {
         let mut total = 0;
         let mut part = |count: u32, size: usize| {
             let start = total;
@@ -106,15 +106,15 @@ impl Parts {
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
         let Population { bodies, compounds, .. } = input.population();
         let moved = part(lists(bodies + compounds), size_of::<Moved>());
-        let sphere_pairs = part(lists(room.pairs), 8);
-        let touching = part(lists(room.pairs), size_of::<Touching>());
-        let hits = part(lists(input.listed_hits(room.hits)), size_of::<Hit>());
-        let planes = part(lists(room.plane_contacts), size_of::<PlaneContact>());
+        let sphere_pairs = part(lists(lengths.pairs), 8);
+        let touching = part(lists(lengths.pairs), size_of::<Touching>());
+        let hits = part(lists(input.listed_hits(lengths.hits)), size_of::<Hit>());
+        let planes = part(lists(lengths.plane_contacts), size_of::<PlaneContact>());
         let of_points = |count: u32| if has_points { count } else { 0 };
         let tally = part(of_points(TALLIES), 4);
-        let contact_pairs = part(lists(of_points(room.contact_pairs)), size_of::<ContactPair>());
-        let contact_points = part(lists(of_points(room.contact_points)), size_of::<ContactPoint>());
-        let touches = part(lists(of_points(room.touches)), size_of::<Touch>());
+        let contact_pairs = part(lists(of_points(lengths.contact_pairs)), size_of::<ContactPair>());
+        let contact_points = part(lists(of_points(lengths.contact_points)), size_of::<ContactPoint>());
+        let touches = part(lists(of_points(lengths.touches)), size_of::<Touch>());
         Self {
             counters,
             times,
@@ -165,7 +165,7 @@ impl Parts {
     }
 
     /// Reads the ranges from `bytes`.
-    pub fn read(&self, bytes: &[u8]) -> Raw {
+    pub fn read(&self, bytes: &[u8]) -> RawResults {
         let mut counters: Vec<u32> = list(bytes, &self.counters, COUNTERS as usize);
         let mut tally: Vec<u32> = list(bytes, &self.tally, TALLIES as usize);
         if tally.is_empty() {
@@ -185,7 +185,7 @@ impl Parts {
             }
         };
         let all = |many: u32| if skipped { 0 } else { many as usize };
-        Raw {
+        RawResults {
             contact_pairs: list(bytes, &self.contact_pairs, all(tally[LAST_CONTACT_PAIRS as usize])),
             contact_points: list(bytes, &self.contact_points, all(tally[LAST_CONTACT_POINTS as usize])),
             touches: list(bytes, &self.touches, all(tally[TOUCHES as usize])),
@@ -202,7 +202,7 @@ impl Parts {
 }
 
 /// Results as the device wrote them.
-pub(super) struct Raw {
+pub(super) struct RawResults {
     /// The counters.
     pub counters: Vec<u32>,
     /// Counters over all collision substeps.
@@ -218,7 +218,7 @@ pub(super) struct Raw {
     planes: Vec<PlaneContact>,
 }
 
-impl Raw {
+impl RawResults {
     fn mean_collision_substeps(&self) -> f32 {
         let [bodies, substeps] = [SCHEDULED_BODIES, SCHEDULED_SUBSTEPS].map(|tally| self.tally[tally as usize]);
         if bodies > 0 {

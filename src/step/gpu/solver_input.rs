@@ -3,8 +3,8 @@
 use super::buffers::StepBuffers;
 use super::reach::{self, RecentSubsteps};
 use super::remap::{BodyRemap, CompoundRemap};
+use crate::gpu::buffer_contents::BufferContents;
 use crate::gpu::commands::Commands;
-use crate::gpu::known::Known;
 use crate::gpu::program::Population;
 use crate::sleep::cpu::hash;
 use crate::solver::gpu::{SolverBuffers, layout, upload};
@@ -225,7 +225,13 @@ impl SolverInput {
     }
 
     /// Writes all buffers.
-    pub fn write(&self, commands: &mut Commands, known: &mut Known, step: &StepBuffers, solver: &SolverBuffers) {
+    pub fn write(
+        &self,
+        commands: &mut Commands,
+        contents: &mut BufferContents,
+        step: &StepBuffers,
+        solver: &SolverBuffers,
+    ) {
         let count = self.body_count();
         let most = if self.counts_substeps() {
             reach::most(&self.config)
@@ -249,11 +255,11 @@ impl SolverInput {
             (&step.host_states, cast_slice(&self.host_states)),
             (&step.sent_forces, cast_slice(&self.forces)),
         ] {
-            commands.write_changes(known, buffer, bytes);
+            commands.write_changes(contents, buffer, bytes);
         }
         if self.counts_substeps() {
             let division = reach::division(&self.config, self.recorded_substeps);
-            commands.write_changes(known, &step.division, bytes_of(&division));
+            commands.write_changes(contents, &step.division, bytes_of(&division));
         }
         let forces: &[u8] = cast_slice(&self.forces);
         commands.copy_start(&step.sent_forces, &step.forces, forces.len() as u64);

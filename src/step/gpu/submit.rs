@@ -4,10 +4,10 @@ use super::buffers::StepCapacity;
 use super::contact_programs::ContactPrograms;
 use super::fast_bodies::{FastBodies, Impacts};
 use super::flight::Flight;
+use super::readback_lengths::ReadbackLengths;
 use super::remap::BodyRemap;
 use super::rest::Rest;
-use super::results::{Detail, Parts};
-use super::room::Room;
+use super::results::{Detail, StagingRanges};
 use super::solver_input::{HostSpeeds, SolverInput};
 use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
@@ -16,7 +16,7 @@ use crate::gpu::commands::Commands;
 use crate::gpu::readback::{read_rows, scoped, staging};
 use crate::solver::gpu::layout::MotionState;
 use crate::state::StepInput;
-use crate::step::order::Place;
+use crate::step::order::SubstepPosition;
 use crate::types::gpu_work::GpuWork;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -88,7 +88,7 @@ impl GpuStep {
             // The buffers for contact points are dropped with [`Response::Impulse`], and created again when needed.
             self.finish_all()?;
             self.contacts = None;
-            self.known.clear();
+            self.buffer_contents.clear();
         }
         let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             bodies: input.old_bodies(),
@@ -156,21 +156,21 @@ impl GpuStep {
             buffers,
             program,
             timer,
-            known,
+            buffer_contents,
             last_bodies,
             ccd,
             flights,
             spare,
             waits,
             rest,
-            room,
+            recent_lengths,
             ..
         } = self;
         let wanted = input.response != Response::Impulse;
         let contacts = contacts.as_ref().filter(|_| wanted);
-        let all = Room::in_buffers(&buffers.capacity, contacts.map(ContactPrograms::capacity));
-        let room = match detail {
-            Detail::All => room.for_next().min(all),
+        let all = ReadbackLengths::in_buffers(&buffers.capacity, contacts.map(ContactPrograms::capacity));
+        let lengths = match detail {
+            Detail::All => recent_lengths.for_next().min(all),
             // Nothing is read.
             Detail::Counts => all,
         };
@@ -178,7 +178,7 @@ impl GpuStep {
             let mut impacts = Impacts::default();
             let mut substeps = input.recorded_substeps();
             let mut commands = Commands::new(gpu, "faceoff step");
-            input.write(&mut commands, known, buffers, contacts, &room);
+            input.write(&mut commands, buffer_contents, buffers, contacts, &lengths);
             let goes_on = |rest: &Rest| rest.goes_on(&input, detail, &commands, &earlier);
             if flights.is_empty() && rest.as_ref().is_some_and(goes_on) {
                 return Ok(None);
@@ -213,8 +213,8 @@ impl GpuStep {
                             *waits += 1;
                             substeps = fast.stop(solver, ccd, &mut commands, buffers, contacts, &mut impacts)?;
                         }
-                        let place = Place::of(number, substeps);
-                        contacts.record_motion(&mut commands, solver, place, number, timer);
+                        let position = SubstepPosition::of(number, substeps);
+                        contacts.record_motion(&mut commands, solver, position, number, timer);
                         number += 1;
                     }
                 }
@@ -229,21 +229,21 @@ impl GpuStep {
             if let Some(timer) = timer {
                 timer.resolve(&mut commands.encoder, substeps);
             }
-            let parts = Parts::new(&room, contacts.is_some(), &input, substeps, detail);
-            let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
+            let ranges = StagingRanges::new(&lengths, contacts.is_some(), &input, substeps, detail);
+            let fitting = spare.iter().position(|buffer| buffer.size() >= ranges.total);
             let staging = match fitting {
                 Some(at) => spare.swap_remove(at),
                 None => {
                     // All spare buffers are too short now, so none is kept.
                     spare.clear();
-                    staging(gpu, parts.total)
+                    staging(gpu, ranges.total)
                 }
             };
-            parts.copy(buffers, contacts, timer.as_ref(), &mut commands, &staging);
+            ranges.copy(buffers, contacts, timer.as_ref(), &mut commands, &staging);
             let (submission, work) = commands.submit();
             let work = work.after(&earlier);
             Ok(Some(Flight::new(
-                input, detail, room, parts, staging, submission, work, impacts,
+                input, detail, lengths, ranges, staging, submission, work, impacts,
             )))
         });
         let Some(flight) = flight.and_then(|flight| flight).map_err(StepError::Device)? else {

@@ -1,13 +1,13 @@
 //! The input of a step, packed for the device.
 
 use super::contact_programs::ContactPrograms;
-use super::room::Room;
+use super::readback_lengths::ReadbackLengths;
 use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
 use crate::gpu::arena::has_large_meshes;
+use crate::gpu::buffer_contents::BufferContents;
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::commands::Commands;
-use crate::gpu::known::Known;
 use crate::gpu::layout::{
     self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, CARRIED_SLEEP, CONTINUES,
     COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, FAST, KIND_MASK, KINEMATIC, NEEDED_SUBSTEPS, PART, SENSOR, STATIC,
@@ -15,7 +15,7 @@ use crate::gpu::layout::{
 use crate::gpu::program::Population;
 use crate::state::bodies::MAX_ACCELERATION;
 use crate::state::margins::SAFETY;
-use crate::state::{Bodies, Compound, Motion, Part, Plane, StepInput};
+use crate::state::{Bodies, Compound, CompoundPart, Motion, Plane, StepInput};
 use crate::types::body::RigidBody;
 use crate::types::settings::{Culling, Response};
 use bytemuck::cast_slice;
@@ -116,7 +116,7 @@ pub struct Input {
     step: layout::Step,
     bodies: Vec<layout::Body>,
     compounds: Vec<layout::Compound>,
-    parts: Vec<layout::Part>,
+    parts: Vec<layout::CompoundPart>,
     planes: Vec<layout::Plane>,
     meshes: Vec<Option<CollisionMesh>>,
     /// Whether intersecting faces are listed.
@@ -300,14 +300,14 @@ impl Input {
         commands.write(&buffers.counters, cast_slice(&counters));
     }
 
-    /// Writes what has changed in all other buffers. Lists have this much `room`.
+    /// Writes what has changed in all other buffers. Lists have these `lengths`.
     pub(super) fn write(
         &self,
         commands: &mut Commands,
-        known: &mut Known,
+        contents: &mut BufferContents,
         buffers: &Buffers,
         contacts: Option<&ContactPrograms>,
-        room: &Room,
+        lengths: &ReadbackLengths,
     ) {
         let held = Capacity {
             bodies: self.step.bodies,
@@ -316,29 +316,29 @@ impl Input {
         let step = layout::Step {
             // By the number of bodies, not by the capacity: the order of pairs, and so of sums, depends on the buckets.
             bucket_mask: held.buckets() - 1,
-            pair_capacity: room.pairs,
-            hit_capacity: self.listed_hits(room.hits),
-            hit_limit: if self.face_lists { room.hits } else { u32::MAX },
-            plane_contact_capacity: room.plane_contacts,
+            pair_capacity: lengths.pairs,
+            hit_capacity: self.listed_hits(lengths.hits),
+            hit_limit: if self.face_lists { lengths.hits } else { u32::MAX },
+            plane_contact_capacity: lengths.plane_contacts,
             piece_capacity: buffers.capacity.pieces,
-            touch_capacity: room.touches,
+            touch_capacity: lengths.touches,
             ..self.step
         };
-        commands.write_changes(known, &buffers.sent_step, bytemuck::bytes_of(&step));
+        commands.write_changes(contents, &buffers.sent_step, bytemuck::bytes_of(&step));
         commands.copy(&buffers.sent_step, &buffers.step);
-        commands.write_changes(known, &buffers.parts, cast_slice(&self.parts));
-        commands.write_changes(known, &buffers.planes, cast_slice(&self.planes));
+        commands.write_changes(contents, &buffers.parts, cast_slice(&self.parts));
+        commands.write_changes(contents, &buffers.planes, cast_slice(&self.planes));
         for (sent, used, bytes) in [
             (&buffers.sent_bodies, &buffers.bodies, cast_slice(&self.bodies)),
             (&buffers.sent_compounds, &buffers.compounds, cast_slice(&self.compounds)),
         ] {
-            commands.write_changes(known, sent, bytes);
+            commands.write_changes(contents, sent, bytes);
             commands.copy_start(sent, used, bytes.len() as u64);
         }
         if let Some(contacts) = contacts {
-            contacts.write_limits(commands, known, step.bodies, step.planes, room);
+            contacts.write_limits(commands, contents, step.bodies, step.planes, lengths);
             if let Some(solver) = &self.solver {
-                solver.write(commands, known, &contacts.step, &contacts.solver);
+                solver.write(commands, contents, &contacts.step, &contacts.solver);
             }
         }
     }
@@ -360,7 +360,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
     let part = bodies.part(i as u32);
     let inertia = part.map_or(bodies.local_inverse_inertia[i], |part| {
         // In the axes of the collider.
-        let axes = DMat3::from_quat(part.place.rotation).as_mat3();
+        let axes = DMat3::from_quat(part.pose.rotation).as_mat3();
         axes.transpose() * bodies.compounds[part.compound as usize].local_inverse_inertia * axes
     });
     let scale = bodies.scale[i];
@@ -405,7 +405,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
 }
 
 /// Compound `number`. `parts` are ascending by compound.
-fn compound(number: u32, own: &Compound, parts: &[&Part], carried: Option<Carried>) -> layout::Compound {
+fn compound(number: u32, own: &Compound, parts: &[&CompoundPart], carried: Option<Carried>) -> layout::Compound {
     let sent = carried.map_or(own.motion, |carried| carried.sent(own.motion));
     let first = parts.partition_point(|part| part.compound < number);
     let end = parts.partition_point(|part| part.compound <= number);
@@ -425,12 +425,12 @@ fn compound(number: u32, own: &Compound, parts: &[&Part], carried: Option<Carrie
     }
 }
 
-fn part(bodies: &Bodies, part: &Part) -> layout::Part {
+fn part(bodies: &Bodies, part: &CompoundPart) -> layout::CompoundPart {
     let compound = &bodies.compounds[part.compound as usize];
-    layout::Part {
-        translation: (part.place.translation - compound.local_center).as_vec3().to_array(),
+    layout::CompoundPart {
+        translation: (part.pose.translation - compound.local_center).as_vec3().to_array(),
         collider: part.collider,
-        rotation: part.place.rotation.as_quat().to_array(),
+        rotation: part.pose.rotation.as_quat().to_array(),
         offset: part.offset.as_vec3().to_array(),
         ..Default::default()
     }

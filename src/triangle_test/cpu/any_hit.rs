@@ -13,9 +13,9 @@ use crate::simd::tree::{Group, Tree};
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Search {
-    ends: [End; 2],
+    caches: [TreeCache; 2],
     /// Pairs of nodes that may touch, the most promising one last.
-    stack: Vec<[At; 2]>,
+    stack: Vec<[NodeRef; 2]>,
     /// Pairs of triangles that single precision cannot decide.
     unsure: Vec<[u32; 2]>,
 }
@@ -25,7 +25,7 @@ const ROOT: u32 = u32::MAX;
 
 /// A node of a tree: a lane of an opened group, or the root.
 #[derive(Clone, Copy)]
-struct At {
+struct NodeRef {
     group: u32,
     lane: u8,
     /// Height above the clusters, which are on level 0.
@@ -34,8 +34,8 @@ struct At {
 
 /// The opened groups and placed clusters of one tree, each stored once.
 #[derive(Default)]
-struct End {
-    groups: Vec<Opened>,
+struct TreeCache {
+    groups: Vec<OpenedGroup>,
     placed: PlacedClusters,
     /// Index of each group in `groups`. Entries of earlier pairs are detected by comparing the group's id, so nothing
     /// needs clearing.
@@ -46,7 +46,7 @@ struct End {
     below: Vec<u32>,
 }
 
-struct Opened {
+struct OpenedGroup {
     /// Index among the groups of all levels.
     id: u32,
     parent: u32,
@@ -59,12 +59,12 @@ impl Search {
     #[inline(always)]
     pub fn any<S: Simd>(&mut self, setup: &PairSetup<S>, sure: impl FnMut(&[u32; 2]) -> bool) -> bool {
         let trees = setup.trees();
-        let [a, b] = &mut self.ends;
+        let [a, b] = &mut self.caches;
         a.start(&trees[0], setup.a.lanes.clusters.len());
         b.start(&trees[1], setup.b.lanes.clusters.len());
         self.stack.clear();
         self.unsure.clear();
-        self.stack.push([0, 1].map(|end| At {
+        self.stack.push([0, 1].map(|end| NodeRef {
             group: ROOT,
             lane: 0,
             level: trees[end].height() as u8,
@@ -82,15 +82,15 @@ impl Search {
     }
 
     #[inline(always)]
-    fn open<S: Simd>(&mut self, trees: &[Tree<S>; 2], at: [At; 2]) {
+    fn open<S: Simd>(&mut self, trees: &[Tree<S>; 2], at: [NodeRef; 2]) {
         let larger = trees[0].size(at[0].level.into()) >= trees[1].size(at[1].level.into());
         let end = usize::from(at[1].level > 0 && (at[0].level == 0 || !larger));
-        let other = match self.ends[1 - end].groups.get(at[1 - end].group as usize) {
-            Some(Opened { parent, group, .. }) => group.node(*parent, at[1 - end].lane.into()),
+        let other = match self.caches[1 - end].groups.get(at[1 - end].group as usize) {
+            Some(OpenedGroup { parent, group, .. }) => group.node(*parent, at[1 - end].lane.into()),
             None => trees[1 - end].root(),
         };
-        let group = self.ends[end].children(&trees[end], at[end]);
-        let opened = &self.ends[end].groups[group as usize].group;
+        let group = self.caches[end].children(&trees[end], at[end]);
+        let opened = &self.caches[end].groups[group as usize].group;
         let meet = trees[end].met_by(&other, opened);
         if meet == 0 {
             return;
@@ -110,7 +110,7 @@ impl Search {
         }
         for &(_, lane) in &nearest[..count] {
             let mut next = at;
-            next[end] = At {
+            next[end] = NodeRef {
                 group,
                 lane,
                 level: at[end].level - 1,
@@ -121,8 +121,8 @@ impl Search {
 
     /// Whether triangles of two clusters certainly intersect. Undecided pairs are kept.
     #[inline(always)]
-    fn any_clusters_hit<S: Simd>(&mut self, setup: &PairSetup<S>, at: [At; 2]) -> bool {
-        let [a, b] = &mut self.ends;
+    fn any_clusters_hit<S: Simd>(&mut self, setup: &PairSetup<S>, at: [NodeRef; 2]) -> bool {
+        let [a, b] = &mut self.caches;
         let (a, new) = a.cluster(at[0]);
         if let Some(cluster) = new {
             setup.place_a(a, cluster, setup.a.filter.lanes(cluster));
@@ -135,7 +135,7 @@ impl Search {
     }
 }
 
-impl End {
+impl TreeCache {
     fn start<S: Simd>(&mut self, tree: &Tree<S>, clusters: usize) {
         self.groups.clear();
         self.placed.clear();
@@ -153,20 +153,20 @@ impl End {
         }
     }
 
-    fn number(&self, at: At) -> u32 {
+    fn number(&self, at: NodeRef) -> u32 {
         let group = self.groups.get(at.group as usize);
         group.map_or(0, |group| group.parent * CLUSTER as u32) + u32::from(at.lane)
     }
 
     /// Index of a node's children in `groups`.
     #[inline(always)]
-    fn children<S: Simd>(&mut self, tree: &Tree<S>, at: At) -> u32 {
+    fn children<S: Simd>(&mut self, tree: &Tree<S>, at: NodeRef) -> u32 {
         let (number, level) = (self.number(at), usize::from(at.level) - 1);
         let id = self.below[level] + number;
         let place = &mut self.group_at[id as usize];
         if self.groups.get(*place as usize).is_none_or(|opened| opened.id != id) {
             *place = self.groups.len() as u32;
-            self.groups.push(Opened {
+            self.groups.push(OpenedGroup {
                 id,
                 parent: number,
                 group: tree.children(level, number),
@@ -176,7 +176,7 @@ impl End {
     }
 
     /// The slot of a placed cluster, and the cluster's number if it has not been placed yet.
-    fn cluster(&mut self, at: At) -> (&mut PlacedCluster, Option<u32>) {
+    fn cluster(&mut self, at: NodeRef) -> (&mut PlacedCluster, Option<u32>) {
         let number = self.number(at);
         let known = &mut self.cluster_at[number as usize];
         let first = number * CLUSTER as u32;

@@ -1,7 +1,7 @@
 //! Candidates: pairs of triangles whose boxes overlap and which cross each other's planes.
 
 use super::cull;
-use super::interval_test::{Eight, beside, decide, decide_by};
+use super::interval_test::{TriangleLanes, beside, decide, decide_by};
 use super::pair_setup::PairSetup;
 use super::placed::{Candidate, PairScale, PlacedCluster, PlacedClusters, gather};
 use crate::geometry::Aabb;
@@ -172,13 +172,13 @@ pub fn any_triangles_hit<S: Simd>(
     while let Some(crossing) = tests.next() {
         let (i, left) = (crossing.lane, crossing.left);
         // Tests eight lanes even if few remain: gathering candidates first costs more, and these may be enough.
-        let one = Eight {
+        let one = TriangleLanes {
             corners: crossing.corners,
             normal: splat_point(simd, lane_of(&a.normal, i)),
             tolerance: splat(simd, error * a.height_error.0[i]),
             error: splat(simd, error),
         };
-        let all = Eight {
+        let all = TriangleLanes {
             corners: tests.corners(),
             normal: load_points(simd, &b.normal),
             tolerance: splat(simd, error) * load(simd, &b.height_error),
@@ -325,7 +325,7 @@ impl<'a, S: Simd> ClusterTests<'a, S> {
 }
 
 /// The decision about a candidate.
-pub struct Decided {
+pub struct Decision {
     /// Triangles of the first and the second mesh.
     pub triangles: [u32; 2],
     /// The common segment in the first body's axes about its centre of mass, metres; `None` if single precision cannot
@@ -336,7 +336,7 @@ pub struct Decided {
 impl Scratch {
     /// Decides the candidates in order, and reports candidates that intersect or are undecided.
     #[inline(always)]
-    pub fn decide<S: Simd>(&self, simd: S, pair_scale: &PairScale, mut report: impl FnMut(Decided)) {
+    pub fn decide<S: Simd>(&self, simd: S, pair_scale: &PairScale, mut report: impl FnMut(Decision)) {
         let metres = 1.0 / f64::from(pair_scale.unit);
         for run in self.candidates.chunks(CLUSTER) {
             // Unused lanes repeat the last candidate.
@@ -347,7 +347,7 @@ impl Scratch {
                 let [a, b] = [0, 1].map(|end| pairs[lane].lanes[end] as usize);
                 let (in_a, in_b) = (&self.a[a / CLUSTER], &self.b[b / CLUSTER]);
                 let segment = (verdicts.hit >> lane & 1 == 1).then(|| verdicts.segment(lane));
-                report(Decided {
+                report(Decision {
                     triangles: [in_a.first + (a % CLUSTER) as u32, in_b.first + (b % CLUSTER) as u32],
                     segment: segment.map(|ends| ends.map(|p| (in_a.origin + p.as_dvec3()) * metres)),
                 });

@@ -10,7 +10,7 @@ use glam::{Mat3, Vec3};
 
 /// The bounds of the other body against which a body's clusters are culled. All are in the culled body's scaled axes
 /// about its centre of mass, unless said otherwise.
-pub struct Other {
+pub struct OtherBounds {
     /// Rotation from the body's axes to the other's.
     pub rotation: Mat3,
     /// From the other's centre of mass to the body's, in the other's axes.
@@ -29,7 +29,7 @@ pub struct Other {
     pub pad: f32,
 }
 
-struct Test<S: Simd> {
+struct CullTest<S: Simd> {
     simd: S,
     scale: Points<S>,
     scale_abs: Points<S>,
@@ -53,11 +53,11 @@ pub fn clusters<S: Simd>(
     simd: S,
     mesh: &MeshLanes,
     scale: Vec3,
-    other: &Other,
+    other: &OtherBounds,
     nodes: &mut Vec<u32>,
     clusters: &mut Vec<u32>,
 ) {
-    let test = Test::new(simd, scale, other);
+    let test = CullTest::new(simd, scale, other);
     // Traverses the implicit tree level by level: child `8 g + lane` of group `g` is the group of that number one level
     // below, or a cluster at the bottom.
     clusters.clear();
@@ -71,10 +71,10 @@ pub fn clusters<S: Simd>(
     }
 }
 
-impl<S: Simd> Test<S> {
+impl<S: Simd> CullTest<S> {
     #[inline(always)]
-    fn new(simd: S, scale: Vec3, other: &Other) -> Self {
-        let Other { rotation, pad, .. } = *other;
+    fn new(simd: S, scale: Vec3, other: &OtherBounds) -> Self {
+        let OtherBounds { rotation, pad, .. } = *other;
         let (center, half) = (other.aabb.center(), other.aabb.half_size());
         let to_own = rotation.transpose();
         Self {

@@ -14,7 +14,7 @@ use glam::Vec3;
 pub(crate) const MIN_LINE: f32 = 1.0e-30;
 
 /// Eight triangles with their planes and error bounds.
-pub struct Eight<S: Simd> {
+pub struct TriangleLanes<S: Simd> {
     pub corners: [Points<S>; 3],
     pub normal: Points<S>,
     /// Error bound of a height over the plane, times the normal's length.
@@ -43,7 +43,7 @@ impl<S: Simd> Verdicts<S> {
 
 /// Tests eight pairs of triangles, all in the same coordinates.
 #[inline(always)]
-pub fn decide<S: Simd>([a, b]: &[Eight<S>; 2]) -> Verdicts<S> {
+pub fn decide<S: Simd>([a, b]: &[TriangleLanes<S>; 2]) -> Verdicts<S> {
     let heights_a = heights(&a.corners, b.corners[0], b.normal);
     let heights_b = heights(&b.corners, a.corners[0], a.normal);
     decide_by([a, b], &heights_a, &heights_b)
@@ -58,14 +58,18 @@ pub fn beside<S: Simd>(heights: &[f32x8<S>; 3], tolerance: f32x8<S>) -> u32 {
 
 /// [`decide`] with given heights of each triangle's corners over the other's plane.
 #[inline(always)]
-pub fn decide_by<S: Simd>([a, b]: [&Eight<S>; 2], heights_a: &[f32x8<S>; 3], heights_b: &[f32x8<S>; 3]) -> Verdicts<S> {
+pub fn decide_by<S: Simd>(
+    [a, b]: [&TriangleLanes<S>; 2],
+    heights_a: &[f32x8<S>; 3],
+    heights_b: &[f32x8<S>; 3],
+) -> Verdicts<S> {
     let simd = a.error.simd;
-    let side_a = Side::of(heights_a, b.tolerance);
-    let side_b = Side::of(heights_b, a.tolerance);
+    let sides_a = CornerSides::of(heights_a, b.tolerance);
+    let sides_b = CornerSides::of(heights_b, a.tolerance);
 
     let line = cross(a.normal, b.normal);
-    let chord_a = Chord::new(&a.corners, heights_a, &side_a, b.tolerance, line);
-    let chord_b = Chord::new(&b.corners, heights_b, &side_b, a.tolerance, line);
+    let chord_a = Chord::new(&a.corners, heights_a, &sides_a, b.tolerance, line);
+    let chord_b = Chord::new(&b.corners, heights_b, &sides_b, a.tolerance, line);
     let first = chord_a.low_at.simd_ge(chord_b.low_at);
     let last = chord_a.high_at.simd_le(chord_b.high_at);
     let start_at = first.select(chord_a.low_at, chord_b.low_at);
@@ -74,9 +78,9 @@ pub fn decide_by<S: Simd>([a, b]: [&Eight<S>; 2], heights_a: &[f32x8<S>; 3], hei
     // The error of the end points comes from the heights, from their own coordinates and from the sums along the line.
     let bound = norm1(line) * (chord_a.error + chord_b.error + splat(simd, 4.0) * a.error);
 
-    let apart = side_a.one | side_b.one;
+    let apart = sides_a.one | sides_b.one;
     // Nearly parallel planes and tiny faces have no reliable common line.
-    let clear = side_a.clear & side_b.clear & norm1(line).simd_gt(splat(simd, MIN_LINE));
+    let clear = sides_a.clear & sides_b.clear & norm1(line).simd_gt(splat(simd, MIN_LINE));
     let hit = clear & overlap.simd_gt(bound);
     let miss = apart | (clear & overlap.simd_lt(-bound));
     let hit = bitmask(hit) & !bitmask(apart);
@@ -89,7 +93,7 @@ pub fn decide_by<S: Simd>([a, b]: [&Eight<S>; 2], heights_a: &[f32x8<S>; 3], hei
 }
 
 /// The sides of the other plane on which the corners lie.
-struct Side<S: Simd> {
+struct CornerSides<S: Simd> {
     /// All corners are certainly on one side.
     one: mask32x8<S>,
     /// The side of each corner is certain.
@@ -97,7 +101,7 @@ struct Side<S: Simd> {
     above: [mask32x8<S>; 3],
 }
 
-impl<S: Simd> Side<S> {
+impl<S: Simd> CornerSides<S> {
     #[inline(always)]
     fn of([p, q, r]: &[f32x8<S>; 3], tolerance: f32x8<S>) -> Self {
         let above = [p.simd_gt(tolerance), q.simd_gt(tolerance), r.simd_gt(tolerance)];
@@ -122,9 +126,15 @@ struct Chord<S: Simd> {
 
 impl<S: Simd> Chord<S> {
     #[inline(always)]
-    fn new(t: &[Points<S>; 3], heights: &[f32x8<S>; 3], side: &Side<S>, tolerance: f32x8<S>, line: Points<S>) -> Self {
-        let [p, q, r] = sorted(t, side);
-        let [[hp], [hq], [hr]] = sorted(&[[heights[0]], [heights[1]], [heights[2]]], side);
+    fn new(
+        t: &[Points<S>; 3],
+        heights: &[f32x8<S>; 3],
+        sides: &CornerSides<S>,
+        tolerance: f32x8<S>,
+        line: Points<S>,
+    ) -> Self {
+        let [p, q, r] = sorted(t, sides);
+        let [[hp], [hq], [hr]] = sorted(&[[heights[0]], [heights[1]], [heights[2]]], sides);
         let (x, error_x) = crossing([p, q], [hp, hq], tolerance);
         let (y, error_y) = crossing([p, r], [hp, hr], tolerance);
         let (at_x, at_y) = (dot(x, line), dot(y, line));
@@ -142,9 +152,9 @@ impl<S: Simd> Chord<S> {
 /// The corner that is alone on its side, then the other two: the third if the first two agree, else the second if first
 /// and third agree.
 #[inline(always)]
-fn sorted<S: Simd, const N: usize>(t: &[[f32x8<S>; N]; 3], side: &Side<S>) -> [[f32x8<S>; N]; 3] {
-    let third = !(side.above[0] ^ side.above[1]);
-    let second = !(side.above[0] ^ side.above[2]) & !third;
+fn sorted<S: Simd, const N: usize>(t: &[[f32x8<S>; N]; 3], sides: &CornerSides<S>) -> [[f32x8<S>; N]; 3] {
+    let third = !(sides.above[0] ^ sides.above[1]);
+    let second = !(sides.above[0] ^ sides.above[2]) & !third;
     let either = third | second;
     let mut sorted = *t;
     for i in 0..N {

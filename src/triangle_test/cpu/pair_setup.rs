@@ -2,7 +2,7 @@
 //! length.
 
 use super::contact::PairFrame;
-use super::cull::Other;
+use super::cull::OtherBounds;
 use super::lane_filter::LaneFilter;
 use super::placed::{ClusterTransform, PairScale, PlacedCluster};
 use crate::geometry::Aabb;
@@ -20,8 +20,8 @@ const MAX_COARSE_CLUSTERS: usize = 300;
 /// A pair to be tested.
 pub struct PairSetup<'a, S: Simd> {
     pub simd: S,
-    pub a: Side<'a, S>,
-    pub b: Side<'a, S>,
+    pub a: PairMesh<'a, S>,
+    pub b: PairMesh<'a, S>,
     /// Rounding allowance, metres.
     pub pad: f32,
     pub pair_scale: PairScale,
@@ -30,8 +30,8 @@ pub struct PairSetup<'a, S: Simd> {
     back: Mat3,
 }
 
-/// One body of a pair.
-pub struct Side<'a, S: Simd> {
+/// The mesh of one body of a pair.
+pub struct PairMesh<'a, S: Simd> {
     pub lanes: &'a MeshLanes,
     pub filter: LaneFilter<'a>,
     pub scale: Vec3,
@@ -53,21 +53,21 @@ impl<'a, S: Simd> PairSetup<'a, S> {
         let size = a.radius + b.radius;
         let (unit, pad) = (unit_of(size), PAD * size);
         let (scale_a, scale_b) = (a.scale, b.scale);
-        let a = Side {
+        let a = PairMesh {
             lanes: a.mesh.lanes(),
             filter: LaneFilter::new(near.views[0], a.mesh, masks_a),
             scale: scale_a,
             radius: a.radius,
             transform: ClusterTransform::new(simd, Mat3::from_diagonal(unit * scale_a)),
         };
-        let b = Side {
+        let b = PairMesh {
             lanes: b.mesh.lanes(),
             filter: LaneFilter::new(near.views[1], b.mesh, masks_b),
             scale: scale_b,
             radius: b.radius,
             transform: ClusterTransform::new(simd, near.rotation * Mat3::from_diagonal(unit * scale_b)),
         };
-        let longest_side = |side: &Side<S>| 3f32.sqrt() * side.lanes.longest_side * side.scale.abs().max_element();
+        let longest_side = |mesh: &PairMesh<S>| 3f32.sqrt() * mesh.lanes.longest_side * mesh.scale.abs().max_element();
         Self {
             simd,
             pad,
@@ -100,8 +100,8 @@ impl<'a, S: Simd> PairSetup<'a, S> {
     }
 
     /// Bounds of the second body for culling the first.
-    pub fn a_from_b(&self) -> Other {
-        Other {
+    pub fn a_from_b(&self) -> OtherBounds {
+        OtherBounds {
             rotation: self.back,
             translation: -(self.back * self.near.translation),
             aabb: scaled(self.b.lanes.aabb, self.b.scale),
@@ -114,8 +114,8 @@ impl<'a, S: Simd> PairSetup<'a, S> {
     }
 
     /// Bounds of the first body for culling the second.
-    pub fn b_from_a(&self) -> Other {
-        Other {
+    pub fn b_from_a(&self) -> OtherBounds {
+        OtherBounds {
             rotation: self.near.rotation,
             translation: self.near.translation,
             aabb: scaled(self.a.lanes.aabb, self.a.scale),
@@ -132,7 +132,7 @@ impl<'a, S: Simd> PairSetup<'a, S> {
     pub fn trees(&self) -> [Tree<'a, S>; 2] {
         let PairScale { unit, pad, .. } = self.pair_scale;
         let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > MAX_COARSE_CLUSTERS;
-        let relative = |other: Other| RelativePose {
+        let relative = |other: OtherBounds| RelativePose {
             rotation: other.rotation,
             translation: unit * other.translation,
             axis: other.axis,
@@ -146,7 +146,7 @@ impl<'a, S: Simd> PairSetup<'a, S> {
     }
 }
 
-impl<S: Simd> Side<'_, S> {
+impl<S: Simd> PairMesh<'_, S> {
     #[inline(always)]
     fn place(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32, origin: DVec3, pair_scale: &PairScale) {
         self.transform

@@ -4,7 +4,7 @@
 //! therefore small compared with the cluster, however large the bodies are, and single precision can decide about small
 //! triangles too.
 
-use super::interval_test::Eight;
+use super::interval_test::TriangleLanes;
 use super::lane_filter::LaneFilter;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
@@ -259,7 +259,7 @@ pub fn gather<S: Simd>(
     a: &[PlacedCluster],
     b: &[PlacedCluster],
     pairs: &[Candidate; CLUSTER],
-) -> [Eight<S>; 2] {
+) -> [TriangleLanes<S>; 2] {
     let offset = load_points(simd, &points(|lane| pairs[lane].offset));
     let mut of_b = eight(simd, b, pairs, 1);
     let [p, q, r] = of_b.corners;
@@ -268,7 +268,7 @@ pub fn gather<S: Simd>(
 }
 
 #[inline(always)]
-fn eight<S: Simd>(simd: S, placed: &[PlacedCluster], pairs: &[Candidate; CLUSTER], end: usize) -> Eight<S> {
+fn eight<S: Simd>(simd: S, placed: &[PlacedCluster], pairs: &[Candidate; CLUSTER], end: usize) -> TriangleLanes<S> {
     let mut error = Stored::default();
     let mut rows = [Stored::default(); 13];
     for (lane, pair) in pairs.iter().enumerate() {
@@ -285,7 +285,7 @@ fn eight<S: Simd>(simd: S, placed: &[PlacedCluster], pairs: &[Candidate; CLUSTER
     }
     let [a, b, c, d, e, f, g, h, i, x, y, z, height_error] = rows;
     let error = load(simd, &error);
-    Eight {
+    TriangleLanes {
         corners: [
             load_points(simd, &[a, b, c]),
             load_points(simd, &[d, e, f]),

@@ -11,7 +11,7 @@ use bevy_faceoff::gpu::kernel::Kernel;
 use bevy_faceoff::manifolds::gpu::ContactCapacity;
 use bevy_faceoff::step::gpu::buffers::StepCapacity;
 use bevy_faceoff::step::gpu::record::{Recorder, all_kernels, impulse_calls, impulse_kernels, report_kernels};
-use bevy_faceoff::step::order::Place;
+use bevy_faceoff::step::order::SubstepPosition;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::stage::Stage;
 use std::collections::BTreeSet;
@@ -87,7 +87,7 @@ fn only_what_a_response_calls_is_compiled() {
         };
         let called = names(
             &mut recorder
-                .calls(&Stage::ALL, Place::of(0, 1))
+                .calls(&Stage::ALL, SubstepPosition::of(0, 1))
                 .iter()
                 .map(|call| call.kernel),
         );

@@ -106,13 +106,13 @@ impl Tally {
 
 /// A pair's faces, ascending, and whether one body is inside the other.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Found {
+pub struct PairFaces {
     pub faces: Vec<[u32; 2]>,
     pub contained: bool,
 }
 
 /// What a side found of each pair.
-pub fn found(state: &StepState) -> BTreeMap<[u32; 2], Found> {
+pub fn found(state: &StepState) -> BTreeMap<[u32; 2], PairFaces> {
     let of_pair = |pair: &PairContact| {
         let mut faces: Vec<_> = state
             .results
@@ -123,7 +123,7 @@ pub fn found(state: &StepState) -> BTreeMap<[u32; 2], Found> {
             .collect();
         faces.sort_unstable();
         let contained = pair.contained;
-        (pair.bodies, Found { faces, contained })
+        (pair.bodies, PairFaces { faces, contained })
     };
     state.results.contacts.pairs.iter().map(of_pair).collect()
 }
@@ -166,7 +166,7 @@ pub fn compare(scene: &Scene, cpu: &StepState, gpu: &StepState, oracle: &Oracle)
     (tally, agreed)
 }
 
-fn compare_pair(tally: &mut Tally, oracle: &Oracle, pair: [u32; 2], cpu: &Found, gpu: &Found, scene: &Scene) {
+fn compare_pair(tally: &mut Tally, oracle: &Oracle, pair: [u32; 2], cpu: &PairFaces, gpu: &PairFaces, scene: &Scene) {
     let view_excused = oracle.view_in_band(pair);
     tally.views += usize::from(view_excused);
     let exact = pair.iter().all(|&i| scene.bodies[i as usize].culling == Culling::Exact);

@@ -25,7 +25,7 @@ impl Declared {
 
 /// Reads the module in `file`, whose modules are in `folder`, and all that are below it and are compiled.
 pub fn read(file: &Path, folder: &Path) -> Vec<Declared> {
-    let mut found = Found::default();
+    let mut found = DeclaredTypes::default();
     found.read(file, folder);
     for declared in &mut found.types {
         declared.has_default = declared.derives.contains("Default") || found.with_default.contains(&declared.name);
@@ -34,12 +34,12 @@ pub fn read(file: &Path, folder: &Path) -> Vec<Declared> {
 }
 
 #[derive(Default)]
-struct Found {
+struct DeclaredTypes {
     types: Vec<Declared>,
     with_default: HashSet<String>,
 }
 
-impl Found {
+impl DeclaredTypes {
     fn read(&mut self, file: &Path, folder: &Path) {
         let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         let parsed = syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));

@@ -51,7 +51,7 @@ pub struct Input {
 }
 
 /// A mesh file, and its path below the folder that the user gave.
-struct Found {
+struct MeshFile {
     source: PathBuf,
     relative: PathBuf,
     input: Input,
@@ -63,30 +63,30 @@ struct Found {
 /// baked once. What depends on the content of files is found later, so that this takes little time.
 pub fn plan(meshes: &[PathBuf], output: &Path) -> Plan {
     let mut plan = Plan::default();
-    let mut found = Vec::new();
+    let mut files = Vec::new();
     for given in meshes {
         if fs::metadata(given).is_ok_and(|there| there.is_dir()) {
             plan.has_folders = true;
-            let before = (found.len(), plan.entries.len());
-            scan(given, &mut found, &mut plan);
-            if before == (found.len(), plan.entries.len()) {
+            let before = (files.len(), plan.entries.len());
+            scan(given, &mut files, &mut plan);
+            if before == (files.len(), plan.entries.len()) {
                 let error = format!("{}: no mesh in this folder: {}", given.display(), EXTENSIONS.join(", "));
                 plan.entries.push(unread(given, error));
             }
         } else {
             let name = given.file_name().unwrap_or_default();
-            found.push(Found::new(given.clone(), name.into(), false));
+            files.push(MeshFile::new(given.clone(), name.into(), false));
         }
     }
-    drop_meshes_of_recipes(&mut found);
-    plan.entries.extend(targets(found, output));
+    drop_meshes_of_recipes(&mut files);
+    plan.entries.extend(targets(files, output));
     plan.entries.sort_by(|a, b| a.key.cmp(&b.key));
     plan
 }
 
 /// Finds the meshes of a folder and its sub-folders, in the order of their names. Hidden files and folders are left out.
 /// A link to a file is followed; a link to a folder is not, because it may lead back, or out of the library.
-fn scan(folder: &Path, found: &mut Vec<Found>, plan: &mut Plan) {
+fn scan(folder: &Path, files: &mut Vec<MeshFile>, plan: &mut Plan) {
     let is_shown = |entry: &DirEntry| entry.depth() == 0 || !entry.file_name().to_string_lossy().starts_with('.');
     for entry in WalkDir::new(folder)
         .sort_by_file_name()
@@ -110,7 +110,7 @@ fn scan(folder: &Path, found: &mut Vec<Found>, plan: &mut Plan) {
             ));
         } else if !entry.file_type().is_dir() && is_mesh(&entry.file_name().to_string_lossy()) {
             let relative = path.strip_prefix(folder).unwrap_or(path).to_owned();
-            found.push(Found::new(path.to_owned(), relative, true));
+            files.push(MeshFile::new(path.to_owned(), relative, true));
         }
     }
 }
@@ -134,7 +134,7 @@ fn is_recipe(path: &Path) -> bool {
     path.to_string_lossy().to_ascii_lowercase().ends_with(".bake.ron")
 }
 
-impl Found {
+impl MeshFile {
     /// A recipe that cannot be read is told when it is baked, or when its mesh clashes with it.
     fn new(source: PathBuf, relative: PathBuf, is_scanned: bool) -> Self {
         let read = |path: &Path| {
@@ -173,26 +173,26 @@ impl Found {
 
 /// Leaves out the meshes that a recipe of a scanned folder names: their recipes bake them, with settings of their own.
 /// A mesh that the user gave by name stays.
-fn drop_meshes_of_recipes(found: &mut Vec<Found>) {
-    let named: HashSet<PathBuf> = found
+fn drop_meshes_of_recipes(files: &mut Vec<MeshFile>) {
+    let named: HashSet<PathBuf> = files
         .iter()
-        .filter(|one| one.is_scanned && one.input.mesh != one.source)
-        .filter_map(|one| fs::canonicalize(&one.input.mesh).ok())
+        .filter(|file| file.is_scanned && file.input.mesh != file.source)
+        .filter_map(|file| fs::canonicalize(&file.input.mesh).ok())
         .collect();
     if named.is_empty() {
         return;
     }
-    found.retain(|one| {
-        let is_named = || fs::canonicalize(&one.source).is_ok_and(|path| named.contains(&path));
-        !one.is_scanned || is_recipe(&one.source) || !is_named()
+    files.retain(|file| {
+        let is_named = || fs::canonicalize(&file.source).is_ok_and(|path| named.contains(&path));
+        !file.is_scanned || is_recipe(&file.source) || !is_named()
     });
 }
 
 /// The baked file of each mesh. Different meshes of one file fail.
-fn targets(found: Vec<Found>, output: &Path) -> impl Iterator<Item = Entry> {
-    let mut targets: BTreeMap<String, (PathBuf, Vec<Found>)> = BTreeMap::new();
-    for one in found {
-        let target = one.target();
+fn targets(files: Vec<MeshFile>, output: &Path) -> impl Iterator<Item = Entry> {
+    let mut targets: BTreeMap<String, (PathBuf, Vec<MeshFile>)> = BTreeMap::new();
+    for file in files {
+        let target = file.target();
         let parts: Vec<_> = target
             .iter()
             .map(|part| part.to_string_lossy().to_lowercase())
@@ -200,12 +200,12 @@ fn targets(found: Vec<Found>, output: &Path) -> impl Iterator<Item = Entry> {
         let (_, there) = targets
             .entry(parts.join("/"))
             .or_insert_with(|| (output.join(&target), Vec::new()));
-        if !there.iter().any(|other| is_same(&one.source, &other.source)) {
-            there.push(one);
+        if !there.iter().any(|other| is_same(&file.source, &other.source)) {
+            there.push(file);
         }
     }
-    targets.into_iter().map(|(key, (target, found))| {
-        let (sources, mut inputs): (Vec<_>, Vec<_>) = found.into_iter().map(|one| (one.source, one.input)).unzip();
+    targets.into_iter().map(|(key, (target, files))| {
+        let (sources, mut inputs): (Vec<_>, Vec<_>) = files.into_iter().map(|file| (file.source, file.input)).unzip();
         let work = match inputs.pop() {
             Some(input) if inputs.is_empty() && is_own_mesh(&sources[0], &input, &target) => {
                 Work::Fail(own_mesh(&sources[0], &target))

@@ -8,7 +8,7 @@ use wgpu::Buffer;
 ///
 /// It keeps its buffers alive: clear it when they are replaced.
 #[derive(Debug, Default)]
-pub struct Known(HashMap<Buffer, Vec<u8>>);
+pub struct BufferContents(HashMap<Buffer, Vec<u8>>);
 
 /// Bytes that are compared at once.
 const BLOCK: usize = 256;
@@ -17,7 +17,7 @@ const BLOCK: usize = 256;
 /// own.
 const GAP: usize = 8 << 10;
 
-impl Known {
+impl BufferContents {
     /// Notes that a buffer starts with these bytes, and returns the ranges that must be written.
     pub fn change(&mut self, buffer: &Buffer, bytes: &[u8]) -> Vec<Range<usize>> {
         let known = self.0.entry(buffer.clone()).or_default();

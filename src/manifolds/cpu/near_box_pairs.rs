@@ -6,12 +6,12 @@ use crate::simd::lanes::{each_lane, push_some, set_lanes};
 
 /// Pairs of triangles, as lanes of clusters: eight times the index of the cluster plus the lane.
 #[derive(Default)]
-pub struct BoxedPairs(Vec<[u32; 2]>);
+pub struct NearBoxPairs(Vec<[u32; 2]>);
 
 /// Number of pairs at which the list is full.
 const FULL: usize = 256;
 
-impl BoxedPairs {
+impl NearBoxPairs {
     /// Removes all pairs.
     pub fn clear(&mut self) {
         self.0.clear();
@@ -50,24 +50,24 @@ mod tests {
     fn every_pair_is_taken_once_in_order() {
         let mut random = fastrand::Rng::with_seed(2);
         let (mut added, mut taken) = (Vec::new(), Vec::new());
-        let mut boxed = BoxedPairs::default();
+        let mut box_pairs = NearBoxPairs::default();
         for second in 0..500 {
             for first in 0..8 {
                 let lanes = random.u32(..256) & random.u32(..256);
-                boxed.add(first, 8 * second, lanes);
+                box_pairs.add(first, 8 * second, lanes);
                 added.extend(
                     (0..8)
                         .filter(|lane| lanes >> lane & 1 == 1)
                         .map(|lane| [first, 8 * second + lane]),
                 );
             }
-            boxed.take_if_full(|pairs| {
+            box_pairs.take_if_full(|pairs| {
                 assert_eq!(pairs.len() % 8, 0);
                 taken.extend_from_slice(pairs);
             });
         }
-        assert!(taken.len() > 5000 && boxed.all().len() < FULL);
-        taken.extend_from_slice(boxed.all());
+        assert!(taken.len() > 5000 && box_pairs.all().len() < FULL);
+        taken.extend_from_slice(box_pairs.all());
         assert_eq!(added, taken);
     }
 }

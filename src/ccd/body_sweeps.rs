@@ -8,12 +8,12 @@ use std::cmp::Ordering;
 /// How often a body may slide along others in a collision substep.
 const MAX_SLIDES: u32 = 4;
 
-/// The motion of a body from some time on.
+/// The sweep of a body from some time on.
 #[derive(Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct BodySweep {
     /// Number of the body.
     pub body: u32,
-    /// Start of this motion, 0 to 1.
+    /// Start of this sweep, 0 to 1.
     pub from: f64,
     /// From then to the end of the collision substep.
     pub sweep: Sweep,
@@ -26,13 +26,13 @@ pub(super) struct Motion {
     pub slides: u32,
 }
 
-/// The motions of the bodies of the pairs.
+/// The sweeps of the bodies of the pairs.
 #[derive(Default)]
-pub(super) struct Motions {
-    pub all: Vec<Motion>,
-    /// For each motion, the next one in its group, in a ring, while the group is not carried.
+pub(super) struct BodySweeps {
+    pub all: Vec<BodySweep>,
+    /// For each sweep, the next one in its group, in a ring, while the group is not carried.
     next: Vec<u32>,
-    /// The places of motions that have changed in this impact.
+    /// The places of sweeps that have changed in this impact.
     pub changed: Vec<u32>,
     /// Scratch: the places in some groups.
     group: Vec<u32>,
@@ -46,9 +46,9 @@ pub(super) struct Ground<'a, F> {
     pub pass: F,
 }
 
-impl Motions {
-    /// Sets the motions of all bodies, each of which is a group by itself.
-    pub fn begin(&mut self, motions: impl Iterator<Item = Motion>) {
+impl BodySweeps {
+    /// Sets the sweeps of all bodies, each of which is a group by itself.
+    pub fn begin(&mut self, sweeps: impl Iterator<Item = BodySweep>) {
         let Self {
             all,
             next,
@@ -56,7 +56,7 @@ impl Motions {
             group,
         } = self;
         all.clear();
-        all.extend(motions);
+        all.extend(sweeps);
         next.clear();
         next.extend(0..all.len() as u32);
         changed.clear();
@@ -89,16 +89,16 @@ impl Motions {
         let (mut momentum, mut mass) = ([DVec3::ZERO; 2], [0.0; 2]);
         let mut members = [0, 0];
         for &place in &self.group {
-            let motion = &self.all[place as usize];
-            let side = usize::from(motion.group == groups[1]);
-            let inverse_mass = bodies.inverse_mass[motion.body as usize];
+            let body_sweep = &self.all[place as usize];
+            let side = usize::from(body_sweep.group == groups[1]);
+            let inverse_mass = bodies.inverse_mass[body_sweep.body as usize];
             // Bodies without a valid mass have equal weights.
             let own = if inverse_mass > 0.0 {
                 1.0 / f64::from(inverse_mass)
             } else {
                 1.0
             };
-            momentum[side] += own * motion.after(time).travel;
+            momentum[side] += own * body_sweep.after(time).travel;
             mass[side] += own;
             members[side] += 1;
         }
@@ -109,19 +109,19 @@ impl Motions {
         };
         let mut common = travel;
         for &place in &self.group {
-            let motion = &self.all[place as usize];
-            common = ground.limit_penetration(motion.body as usize, &motion.after(time), common);
+            let body_sweep = &self.all[place as usize];
+            common = ground.limit_penetration(body_sweep.body as usize, &body_sweep.after(time), common);
         }
         let group = groups[0].min(groups[1]);
         for &place in &self.group {
-            let motion = &mut self.all[place as usize];
-            let side = usize::from(motion.group == groups[1]);
+            let body_sweep = &mut self.all[place as usize];
+            let side = usize::from(body_sweep.group == groups[1]);
             if members[side] > members[1 - side] && common == travel {
-                motion.group = group;
+                body_sweep.group = group;
             } else {
-                let free = bodies.params[motion.body as usize].locked_axes.free_translation();
+                let free = bodies.params[body_sweep.body as usize].locked_axes.free_translation();
                 let free = free.as_dvec3();
-                motion.change(time, group, common * free, DVec3::ZERO);
+                body_sweep.change(time, group, common * free, DVec3::ZERO);
                 self.changed.push(place);
             }
         }
@@ -155,19 +155,19 @@ impl Motions {
         let normal = DQuat::from_scaled_axis(carrying.turn) * normal;
         let carried = self.travel_with(carrier, time, place);
         let carried_turn = self.all[carrier as usize].after(time).turn;
-        let motion = &mut self.all[place as usize];
-        let own = motion.after(time);
-        let body = motion.body as usize;
+        let body_sweep = &mut self.all[place as usize];
+        let own = body_sweep.after(time);
+        let body = body_sweep.body as usize;
         let locked = ground.bodies.params[body].locked_axes;
         let pushed = own.travel + normal * (carried - own.travel).dot(normal).max(0.0);
         let travel = ground.limit_penetration(body, &own, pushed) * locked.free_translation().as_dvec3();
-        let turn = match motion.slides {
+        let turn = match body_sweep.slides {
             0 => own.turn,
             _ => carried_turn * locked.free_rotation().as_dvec3(),
         };
-        let group = motion.group;
-        motion.change(time, group, travel, turn);
-        motion.slides += 1;
+        let group = body_sweep.group;
+        body_sweep.change(time, group, travel, turn);
+        body_sweep.slides += 1;
         self.changed.push(place);
     }
 
@@ -192,13 +192,13 @@ impl Motions {
     pub fn carry(&mut self, ground: &Ground<impl Fn([u32; 2]) -> bool>, carrier: u32, time: f64, place: u32) {
         let turn = self.all[carrier as usize].after(time).turn;
         let carried = self.travel_with(carrier, time, place);
-        let motion = &mut self.all[place as usize];
-        let own = motion.after(time);
-        let body = motion.body as usize;
+        let body_sweep = &mut self.all[place as usize];
+        let own = body_sweep.after(time);
+        let body = body_sweep.body as usize;
         let locked = ground.bodies.params[body].locked_axes;
         let travel = ground.limit_penetration(body, &own, carried);
         let travel = travel * locked.free_translation().as_dvec3();
-        motion.change(time, carrier, travel, turn * locked.free_rotation().as_dvec3());
+        body_sweep.change(time, carrier, travel, turn * locked.free_rotation().as_dvec3());
         self.changed.push(place);
     }
 }
@@ -226,15 +226,15 @@ impl<F: Fn([u32; 2]) -> bool> Ground<'_, F> {
     }
 }
 
-impl Motion {
-    /// The rest of the motion, from `time` on.
+impl BodySweep {
+    /// The rest of the sweep, from `time` on.
     pub fn after(&self, time: f64) -> Sweep {
         let left = 1.0 - self.from;
         let done = if left > 0.0 { (time - self.from) / left } else { 0.0 };
         self.sweep.part(done.clamp(0.0, 1.0), 1.0)
     }
 
-    /// Replaces the motion from `time` on.
+    /// Replaces the sweep from `time` on.
     fn change(&mut self, time: f64, group: u32, travel: DVec3, turn: DVec3) {
         *self = Self {
             body: self.body,

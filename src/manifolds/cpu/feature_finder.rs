@@ -5,13 +5,13 @@
 use super::candidates::Candidates;
 use super::crossing::{Crossings, Segment};
 use super::feature::{Feature, TrianglePair};
+use super::feature_bits::FeatureBits;
 use super::kept::{KeptCandidates, Source};
 use super::near::NearTriangles;
 use super::near_clusters::NearClusters;
 use super::near_features::{BESIDE, NearFeatures};
 use super::pair::{Pair, ROUNDING};
-use super::parts::Parts;
-use super::search::Wanted;
+use super::search::FeatureQuery;
 use super::side::Triangle;
 use crate::parallel::loops;
 use crate::simd::lanes::Simd;
@@ -26,16 +26,16 @@ const PER_THREAD: usize = 4;
 
 /// The result, and memory kept between pairs.
 #[derive(Default)]
-pub struct Shares {
+pub struct FeatureFinder {
     clusters: NearClusters,
-    shares: Vec<Share>,
+    shares: Vec<FinderShare>,
     /// Number of shares of the last pair.
     count: usize,
     nearest: NearFeatures,
 }
 
 #[derive(Default)]
-struct Share {
+struct FinderShare {
     /// Which of the first body's near clusters it searches.
     clusters: Range<usize>,
     near: NearTriangles,
@@ -46,18 +46,18 @@ struct Share {
     segments: Vec<Segment>,
 }
 
-impl Shares {
+impl FeatureFinder {
     /// Finds the wanted features that `admit` admits, and the segments in which triangles cross. Uses `threads` threads
     /// of the current pool; one is the calling thread. Returns where the candidates came from.
     pub fn find(
         &mut self,
         pair: &Pair,
-        wanted: &Wanted,
+        query: &FeatureQuery,
         kept: &mut KeptCandidates,
         threads: usize,
         admit: impl Fn(&Feature) -> bool + Sync,
     ) -> Source {
-        let source = kept.source(pair, wanted);
+        let source = kept.source(pair, query);
         if let Source::Search(search) = &source {
             self.clusters.run(&pair.sides, &pair.pose, search);
             kept.is_large = self.clusters.len() >= 2 * MIN_CLUSTER_PAIRS;
@@ -76,14 +76,14 @@ impl Shares {
         let shares = shares[..*count].par_iter_mut().zip(&mut kept.shares);
         let min_shares = if threads > 1 { 1 } else { *count };
         loops::for_each(shares, min_shares, |(share, candidates)| {
-            share.run(pair, wanted, &source, clusters, candidates, &admit);
+            share.run(pair, query, &source, clusters, candidates, &admit);
         });
-        self.find_nearest(pair, wanted, &source, kept);
+        self.find_nearest(pair, query, &source, kept);
         source
     }
 
     /// Finds the features between nearest points.
-    fn find_nearest(&mut self, pair: &Pair, wanted: &Wanted, source: &Source, kept: &mut KeptCandidates) {
+    fn find_nearest(&mut self, pair: &Pair, query: &FeatureQuery, source: &Source, kept: &mut KeptCandidates) {
         let Self {
             clusters,
             shares,
@@ -92,7 +92,7 @@ impl Shares {
         } = self;
         let shares = &mut shares[..*count];
         nearest.clear();
-        if !wanted.nearest {
+        if !query.nearest {
             return;
         }
         // Surfaces that cross have no distance.
@@ -101,17 +101,17 @@ impl Shares {
         let distance = if crosses { 0.0 } else { least_distance(features) };
         let one_sided = pair.sides.iter().all(|side| side.features.one_sided.all());
         let most = if one_sided {
-            distance.min(wanted.margin)
+            distance.min(query.margin)
         } else {
-            wanted.margin
+            query.margin
         };
-        nearest.set_limits(wanted.margin, distance);
+        nearest.set_limits(query.margin, distance);
         for (share, candidates) in shares.iter_mut().zip(&mut kept.shares) {
             match source {
                 Source::Search(search) => {
                     let slack = search.slack;
                     // After a motion the surfaces may be farther apart, and so may all features that then count.
-                    let beside = BESIDE * (wanted.margin + slack.distance);
+                    let beside = BESIDE * (query.margin + slack.distance);
                     let kept = most + beside + 2.0 * slack.distance;
                     let reach = if slack.distance > 0.0 { kept } else { most };
                     if reach <= 0.0 {
@@ -183,7 +183,7 @@ impl Shares {
 
     fn grow(&mut self) {
         if self.shares.len() < self.count {
-            self.shares.resize_with(self.count, Share::default);
+            self.shares.resize_with(self.count, FinderShare::default);
         }
     }
 }
@@ -201,12 +201,12 @@ fn least_distance<'a>(features: impl Iterator<Item = &'a Feature>) -> f64 {
     features.map(distance).fold(f64::INFINITY, f64::min)
 }
 
-impl Share {
+impl FinderShare {
     /// Finds its features and segments.
     fn run(
         &mut self,
         pair: &Pair,
-        wanted: &Wanted,
+        query: &FeatureQuery,
         source: &Source,
         clusters: &NearClusters,
         candidates: &mut Candidates,
@@ -217,7 +217,7 @@ impl Share {
             self.near.run(&pair.sides, pair.pose.size, search, clusters, range);
         }
         // Double precision takes less time with the wider instructions, too.
-        with_simd!(simd => self.run_with(simd, pair, wanted, source, candidates, admit));
+        with_simd!(simd => self.run_with(simd, pair, query, source, candidates, admit));
     }
 
     #[inline(always)]
@@ -225,7 +225,7 @@ impl Share {
         &mut self,
         simd: S,
         pair: &Pair,
-        wanted: &Wanted,
+        query: &FeatureQuery,
         source: &Source,
         candidates: &mut Candidates,
         admit: impl Fn(&Feature) -> bool,
@@ -242,8 +242,8 @@ impl Share {
         segments.clear();
         crossings.clear();
         let sides = &pair.sides;
-        let found = |pair: &TrianglePair, parts: Parts| {
-            pair.features(&wanted.range, parts, |feature| {
+        let found = |pair: &TrianglePair, feature_bits: FeatureBits| {
+            pair.features(&query.range, feature_bits, |feature| {
                 if admit(&feature) {
                     features.push(feature);
                 }
@@ -255,7 +255,7 @@ impl Share {
                 near.placed()
             }
             Source::Kept { fraction, .. } => {
-                candidates.for_each(sides, placed, *fraction, wanted.reach, crossings, found);
+                candidates.for_each(sides, placed, *fraction, query.reach, crossings, found);
                 placed.each_ref().map(Vec::as_slice)
             }
         };

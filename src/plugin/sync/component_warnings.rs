@@ -12,7 +12,7 @@ pub(crate) const PATIENCE: u32 = 64;
 
 /// A component whose value has no effect or another one.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub(crate) enum Oddity {
+pub(crate) enum ComponentWarning {
     #[error("its {0} is {1}, and counts as 0: set 0 or more")]
     CountsAsZero(&'static str, f32),
     #[error("its {0} is {1}, and counts as no limit: set 0 or more, or remove it")]
@@ -43,8 +43,8 @@ pub(crate) enum Oddity {
     SameKey(u64),
 }
 
-impl Oddity {
-    /// Whether both are the same oddity, regardless of the value.
+impl ComponentWarning {
+    /// Whether both are the same warning, regardless of the value.
     fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::CountsAsZero(this, _), Self::CountsAsZero(that, _))
@@ -54,46 +54,46 @@ impl Oddity {
     }
 }
 
-/// The oddities of the last step. All lists are ascending by entity.
+/// The warnings of the last step. All lists are ascending by entity.
 #[derive(Default)]
-pub(crate) struct Oddities {
-    /// The oddities of the last step, which are logged already.
-    known: Vec<(Entity, Oddity)>,
-    /// Scratch: oddities of this step.
-    found: Vec<(Entity, Oddity)>,
+pub(crate) struct ComponentWarnings {
+    /// The warnings of the last step, which are logged already.
+    known: Vec<(Entity, ComponentWarning)>,
+    /// Scratch: warnings of this step.
+    found: Vec<(Entity, ComponentWarning)>,
     /// Bodies without a collider, and for how many steps.
     bare: Vec<(Entity, u32)>,
 }
 
-impl Oddities {
-    /// Records an oddity of this step.
-    pub fn add(&mut self, entity: Entity, oddity: Oddity) {
-        self.found.push((entity, oddity));
+impl ComponentWarnings {
+    /// Records a warning of this step.
+    pub fn add(&mut self, entity: Entity, warning: ComponentWarning) {
+        self.found.push((entity, warning));
     }
 
     /// Records that a collider or plane has the stable key of another one.
     pub fn add_same_key(&mut self, Keyed { key, entity }: Keyed) {
-        self.add(entity, Oddity::SameKey(key));
+        self.add(entity, ComponentWarning::SameKey(key));
     }
 
     /// Records active hooks where the app has none.
     pub fn check_hooks(&mut self, entity: Entity, hooks: Option<&ActiveCollisionHooks>, has_hooks: bool) {
         if !has_hooks && hooks.is_some_and(|&hooks| hooks != ActiveCollisionHooks::NONE) {
-            self.add(entity, Oddity::NoHooks);
+            self.add(entity, ComponentWarning::NoHooks);
         }
     }
 
     /// Records a negative coefficient or rate.
     pub fn check(&mut self, entity: Entity, name: &'static str, value: Option<f32>) {
         if let Some(value) = value.filter(|&value| value < 0.0) {
-            self.add(entity, Oddity::CountsAsZero(name, value));
+            self.add(entity, ComponentWarning::CountsAsZero(name, value));
         }
     }
 
     /// Records a negative speed limit.
     pub fn check_limit(&mut self, entity: Entity, name: &'static str, value: Option<f32>) {
         if let Some(value) = value.filter(|&value| value < 0.0) {
-            self.add(entity, Oddity::NoLimit(name, value));
+            self.add(entity, ComponentWarning::NoLimit(name, value));
         }
     }
 
@@ -101,7 +101,7 @@ impl Oddities {
     pub fn check_restitution(&mut self, entity: Entity, value: Option<f32>) {
         self.check(entity, "Restitution", value);
         if let Some(value) = value.filter(|&value| value > 1.0 && value.is_finite()) {
-            self.add(entity, Oddity::TooBouncy(value));
+            self.add(entity, ComponentWarning::TooBouncy(value));
         }
     }
 
@@ -115,7 +115,7 @@ impl Oddities {
         self.bare.sort_unstable();
         for &(entity, steps) in &self.bare {
             if steps > PATIENCE {
-                self.found.push((entity, Oddity::NoCollider));
+                self.found.push((entity, ComponentWarning::NoCollider));
             }
         }
     }
@@ -125,21 +125,21 @@ impl Oddities {
         self.known.is_empty() && self.bare.is_empty()
     }
 
-    /// Forgets the oddities of this step, which is read again.
+    /// Forgets the warnings of this step, which is read again.
     pub fn restart(&mut self) {
         self.found.clear();
     }
 
-    /// Ends a step: calls `report` with each oddity that was not there in the last step.
-    pub fn report(&mut self, mut report: impl FnMut(Entity, Oddity)) {
+    /// Ends a step: calls `report` with each warning that was not there in the last step.
+    pub fn report(&mut self, mut report: impl FnMut(Entity, ComponentWarning)) {
         let Self { known, found, .. } = self;
-        // A stable sort, so that the oddities of a body keep their order.
+        // A stable sort, so that the warnings of a body keep their order.
         found.sort_by_key(|&(entity, _)| entity);
-        for &(entity, oddity) in found.iter() {
+        for &(entity, warning) in found.iter() {
             let first = known.partition_point(|&(other, _)| other < entity);
             let mut before = known[first..].iter().take_while(|&&(other, _)| other == entity);
-            if !before.any(|(_, before)| before.is_like(&oddity)) {
-                report(entity, oddity);
+            if !before.any(|(_, before)| before.is_like(&warning)) {
+                report(entity, warning);
             }
         }
         std::mem::swap(known, found);

@@ -7,7 +7,7 @@ use crate::manifolds::gpu::ContactCapacity;
 
 /// The largest use of each list in the last steps.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Recent {
+pub struct PeakUsage {
     steps: u32,
     most: Capacity,
     most_for_contacts: Option<StepCapacity>,
@@ -19,7 +19,7 @@ const STEPS: u32 = 256;
 /// A list becomes shorter if no step has used more than one in this many of its elements.
 const UNUSED: u32 = 4;
 
-impl Recent {
+impl PeakUsage {
     /// Adds the use of a step.
     pub fn add(&mut self, used: Capacity, for_contacts: Option<StepCapacity>) {
         self.steps += 1;
@@ -142,18 +142,20 @@ mod tests {
 
     #[test]
     fn lists_become_shorter_when_a_window_used_little_of_them() {
-        let mut recent = Recent::default();
+        let mut peak_usage = PeakUsage::default();
         for _ in 1..STEPS {
-            recent.add(of(100), None);
-            assert!(!recent.is_full());
+            peak_usage.add(of(100), None);
+            assert!(!peak_usage.is_full());
         }
-        recent.add(of(200), None);
-        assert!(recent.is_full());
-        let (lists, _) = recent.shrunk(of(10_000), None, of(50)).expect("a fiftieth was used");
+        peak_usage.add(of(200), None);
+        assert!(peak_usage.is_full());
+        let (lists, _) = peak_usage
+            .shrunk(of(10_000), None, of(50))
+            .expect("a fiftieth was used");
         assert_eq!(lists, of(grow(0, 200)));
         // A step that used more is remembered.
-        recent.add(of(9000), None);
-        assert_eq!(recent.shrunk(of(10_000), None, of(50)), None);
+        peak_usage.add(of(9000), None);
+        assert_eq!(peak_usage.shrunk(of(10_000), None, of(50)), None);
     }
 
     /// The lists of batches become shorter, or the batches fewer.
@@ -191,7 +193,7 @@ mod tests {
             ..CONTACT_START
         };
         let for_contacts = for_contacts.covering(&least);
-        let mut recent = Recent::default();
+        let mut peak_usage = PeakUsage::default();
         let used = StepCapacity {
             bodies: 3,
             contacts: ContactCapacity::default(),
@@ -199,16 +201,16 @@ mod tests {
             solves: true,
             has_fast_bodies: false,
         };
-        recent.add(Capacity { bodies: 3, ..of(2) }, Some(used));
-        assert_eq!(recent.shrunk(least, Some(for_contacts), least), None);
+        peak_usage.add(Capacity { bodies: 3, ..of(2) }, Some(used));
+        assert_eq!(peak_usage.shrunk(least, Some(for_contacts), least), None);
         // After a crowd both become shorter, and then stay.
         let crowd = Capacity { bodies: 5000, ..least };
-        let (lists, contacts) = recent
+        let (lists, contacts) = peak_usage
             .shrunk(crowd, Some(for_contacts.covering(&crowd)), least)
             .expect("3 of 5000 bodies");
         let contacts = contacts.map(|contacts| contacts.covering(&lists));
         assert_eq!((lists.bodies, contacts.map(|own| own.bodies)), (255, Some(255)));
-        assert_eq!(recent.shrunk(lists, contacts, least), None);
+        assert_eq!(peak_usage.shrunk(lists, contacts, least), None);
     }
 
     #[test]

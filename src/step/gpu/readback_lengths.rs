@@ -10,7 +10,7 @@ use crate::types::gpu_work::GpuLists;
 
 /// Lengths of the lists that are read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Room {
+pub struct ReadbackLengths {
     /// Pairs of bodies whose spheres overlap, and pairs that touch.
     pub pairs: u32,
     /// Pairs of intersecting faces.
@@ -25,7 +25,7 @@ pub struct Room {
     pub touches: u32,
 }
 
-impl Room {
+impl ReadbackLengths {
     /// For all that buffers hold.
     const ALL: Self = Self {
         pairs: u32::MAX,
@@ -86,10 +86,10 @@ impl Room {
 
 /// What the last steps have used.
 #[derive(Clone, Copy, Debug)]
-pub struct RecentRoom {
+pub struct RecentLengths {
     /// The most that a step of this window needed, and of the one before it.
-    now: Room,
-    before: Room,
+    now: ReadbackLengths,
+    before: ReadbackLengths,
     /// Steps in this window.
     steps: u32,
 }
@@ -97,25 +97,25 @@ pub struct RecentRoom {
 /// Steps in a window.
 const STEPS: u32 = 16;
 
-impl Default for RecentRoom {
+impl Default for RecentLengths {
     /// Nothing is known of the first steps.
     fn default() -> Self {
         Self {
-            now: Room::default(),
-            before: Room::ALL,
+            now: ReadbackLengths::default(),
+            before: ReadbackLengths::ALL,
             steps: 0,
         }
     }
 }
 
-impl RecentRoom {
+impl RecentLengths {
     /// Adds a step that has used this much.
-    pub fn add(&mut self, used: Room) {
+    pub fn add(&mut self, used: ReadbackLengths) {
         self.raise(used);
         self.steps += 1;
         if self.steps == STEPS {
             *self = Self {
-                now: Room::default(),
+                now: ReadbackLengths::default(),
                 before: self.now,
                 steps: 0,
             };
@@ -123,12 +123,12 @@ impl RecentRoom {
     }
 
     /// A step that is repeated needs this much.
-    pub fn raise(&mut self, needed: Room) {
+    pub fn raise(&mut self, needed: ReadbackLengths) {
         self.now = self.now.with(needed, u32::max);
     }
 
-    /// The room for the next step.
-    pub fn for_next(&self) -> Room {
+    /// The lengths for the next step.
+    pub fn for_next(&self) -> ReadbackLengths {
         let most = self.now.with(self.before, u32::max);
         most.with(most, |most, _| grow(0, most))
     }
@@ -138,18 +138,18 @@ impl RecentRoom {
 mod tests {
     use super::*;
 
-    fn of(pairs: u32) -> Room {
-        Room {
+    fn of(pairs: u32) -> ReadbackLengths {
+        ReadbackLengths {
             pairs,
-            ..Room::default()
+            ..ReadbackLengths::default()
         }
     }
 
     #[test]
     fn room_follows_use() {
-        let mut recent = RecentRoom::default();
+        let mut recent = RecentLengths::default();
         for _ in 0..STEPS {
-            assert_eq!(recent.for_next(), Room::ALL);
+            assert_eq!(recent.for_next(), ReadbackLengths::ALL);
             recent.add(of(100));
         }
         assert_eq!(recent.for_next(), of(0).with(of(100), |_, most| grow(0, most)));
@@ -167,9 +167,9 @@ mod tests {
 
     #[test]
     fn lists_lack_room_one_by_one() {
-        let room = Room { hits: 5, ..of(7) };
-        assert!(!room.lacks(room) && !room.lacks(of(7)) && !Room::ALL.lacks(room));
-        assert!(room.lacks(of(8)) && room.lacks(Room { touches: 1, ..of(0) }));
-        assert_eq!(room.min(of(6)), of(6));
+        let lengths = ReadbackLengths { hits: 5, ..of(7) };
+        assert!(!lengths.lacks(lengths) && !lengths.lacks(of(7)) && !ReadbackLengths::ALL.lacks(lengths));
+        assert!(lengths.lacks(of(8)) && lengths.lacks(ReadbackLengths { touches: 1, ..of(0) }));
+        assert_eq!(lengths.min(of(6)), of(6));
     }
 }
