@@ -1,8 +1,8 @@
 //! Scan conversion of eight triangles at a time, as [`Spans`](super::spans::Spans) defines it.
 //!
-//! A [`Batch`] is eight triangles of the mesh. Seen along a direction it becomes a [`ProjectedTriangles`], which gives eight rows of
-//! one of its triangles at a time, or a row of each. Each number comes from the same operations in the same order as in `Spans`, so both
-//! agree in every bit, with any instruction set.
+//! A [`Batch`] is eight triangles of the mesh. Seen along a direction it becomes [`ProjectedTriangles`], which give eight
+//! rows of one of the triangles at a time, or a row of each. Each number comes from the same operations in the same order
+//! as in `Spans`, so both agree in every bit, with any instruction set.
 
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::lanes::{Stored, StoredPoints, points};
@@ -230,8 +230,8 @@ impl ProjectedTriangles {
         ]
     }
 
-    /// The number of rows of the triangle with the most, and how many calls of [`ProjectedTriangles::rows_of`] give all rows of all
-    /// triangles.
+    /// The number of rows of the triangle with the most, and how many calls of [`ProjectedTriangles::rows_of`] give all
+    /// rows of all triangles.
     #[inline(always)]
     pub fn row_counts(&self) -> (i32, i32) {
         let (mut most, mut calls) = (0, 0);

@@ -22,8 +22,8 @@ pub fn edge_features([first, second]: [u32; 2]) -> FeatureBits {
     ROWS[first as usize] & COLUMNS[second as usize]
 }
 
-/// For each subset of the three edges of one triangle, its [`FeatureBits`] with all edges of the other. `first` are those
-/// of the first edge; `shift` leads to the next edge.
+/// For each subset of the three edges of one triangle, its [`FeatureBits`] with all edges of the other. `first` are
+/// those of the first edge; `shift` leads to the next edge.
 const fn edge_sets(first: FeatureBits, shift: usize) -> [FeatureBits; 8] {
     let mut sets = [0; 8];
     let mut set = 0;

@@ -32,7 +32,7 @@ pub enum MeshBakeError {
     NotLoaded(Arc<AssetLoadError>),
     /// The baked mesh or recipe beside the mesh's file could not be loaded.
     #[error("{path}: {error}")]
-    FileBeside {
+    Beside {
         /// The baked mesh or the recipe.
         path: AssetPath<'static>,
         /// The reason.
@@ -270,7 +270,7 @@ impl MeshBakes {
             FileBeside::Found(path, handle) => match assets.server.load_state(&*handle) {
                 LoadState::Failed(error) => {
                     self.missing_beside.insert(handle.id(), meshes.clone());
-                    Poll::Ready(Some(Err(MeshBakeError::FileBeside {
+                    Poll::Ready(Some(Err(MeshBakeError::Beside {
                         path: path.clone(),
                         error,
                     })))

@@ -122,7 +122,7 @@ impl Kept {
     }
 
     /// The bodies that a step reads which are not static, ascending.
-    pub fn to_read(&mut self, skips_dormant: bool) -> &mut Vec<Entity> {
+    pub fn bodies_to_read(&mut self, skips_dormant: bool) -> &mut Vec<Entity> {
         match skips_dormant {
             true => &mut self.awake,
             false => &mut self.movers,

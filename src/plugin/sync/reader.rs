@@ -225,7 +225,7 @@ impl Reader<'_, '_> {
         }
         let kept = &mut self.step.kept;
         let skips_dormant = kept.may_skip_dormant();
-        let movers = std::mem::take(kept.to_read(skips_dormant));
+        let movers = std::mem::take(kept.bodies_to_read(skips_dormant));
         let mut gone = Vec::new();
         let mut others = std::mem::take(&mut self.step.others);
         others.clear();
@@ -248,7 +248,7 @@ impl Reader<'_, '_> {
         }
         let read = movers.len() - gone.len();
         let kept = &mut self.step.kept;
-        *kept.to_read(skips_dormant) = movers;
+        *kept.bodies_to_read(skips_dormant) = movers;
         kept.remove_movers(&gone);
         is_same &= counts[0] == kept.counts[0] + kept.mover_count(read, skips_dormant);
         if is_same {
