@@ -403,6 +403,11 @@ impl Finder {
             if cells.replace(wanted) != Some(wanted) {
                 self.runs.clear();
                 other.rows(level, wanted, &mut self.runs);
+                let [low, high] = wanted;
+                // Cells that are far from each other may share a bucket.
+                if (0..3).any(|axis| high[axis] - low[axis] > 1) {
+                    join_overlapping(&mut self.runs);
+                }
             }
             let end = self.end_of_search();
             let (found, crowded) = (&mut self.found, &mut self.crowded);
@@ -417,6 +422,18 @@ impl Finder {
             }
         }
     }
+}
+
+/// Sorts runs, and joins those that overlap.
+fn join_overlapping(runs: &mut Vec<Range<usize>>) {
+    runs.sort_unstable_by_key(|run| run.start);
+    runs.dedup_by(|next, last| {
+        let overlap = next.start <= last.end;
+        if overlap {
+            last.end = last.end.max(next.end);
+        }
+        overlap
+    });
 }
 
 /// Adds a pair to `found` if it may collide. If there are already `end` pairs, its first body is added to `crowded`
