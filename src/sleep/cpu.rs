@@ -113,7 +113,8 @@ impl Sleeper {
         self.settle_each(bodies, manifolds, settings, |_| dt);
     }
 
-    /// Advances rest times like [`Self::settle`], where body `i` has moved for `dt(i)` seconds in the collision substep.
+    /// Advances rest times like [`Self::settle`], where body `i` has moved for `dt(i)` seconds in the collision
+    /// substep.
     pub(crate) fn settle_each(
         &mut self,
         bodies: &mut SolverBodies,

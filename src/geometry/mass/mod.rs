@@ -19,7 +19,7 @@ pub struct MassProperties {
     /// The thickness of the thinnest part, in mesh units: the diameter of the ball inside that touches the surface and
     /// the opposite surface. Up to 2 % of the surface may be thinner, so that sharp edges do not count.
     pub thickness: f32,
-    /// What the mass belongs to.
+    /// The region whose mass this is.
     pub basis: MassBasis,
     /// How far off the volume may be, relative to itself: what openings and the resolution of sampling leave uncertain. 0 for a
     /// closed mesh; 1 where the mass is not that of an enclosed volume.
@@ -28,7 +28,7 @@ pub struct MassProperties {
     pub approximate: bool,
 }
 
-/// What the mass of a mesh belongs to; see [`MassProperties::of`].
+/// The region whose mass a mesh has; see [`MassProperties::of`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum MassBasis {
     /// The volume that a closed mesh encloses.
