@@ -133,8 +133,8 @@ impl TriMesh {
         }
     }
 
-    /// A copy of the mesh with another weld tolerance, relative to the diagonal of its bounding box. With 0 only vertices
-    /// at exactly the same position are welded.
+    /// A copy of the mesh with another weld tolerance, relative to the diagonal of its bounding box. With 0 only
+    /// vertices at exactly the same position are welded.
     ///
     /// Recomputes the connectivity. Vertices and triangles stay bit-identical.
     pub fn with_weld_tolerance(self, tolerance: f32) -> Self {
