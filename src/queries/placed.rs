@@ -189,7 +189,7 @@ impl<'a> Placed<'a> {
         self.pose
     }
 
-    /// The same mesh in the pose that it had before.
+    /// A mesh in the pose that it had before.
     pub(super) fn again(mesh: &'a CollisionMesh, pose: PlacedPose) -> Self {
         Self { mesh, pose }
     }

@@ -95,7 +95,7 @@ struct StepsReport {
 #[derive(Serialize)]
 struct State {
     vertices: usize,
-    /// Those of zero area among them.
+    /// The number of faces, including those of zero area.
     faces: usize,
     closed: bool,
     orientation: Orientation,
