@@ -11,13 +11,13 @@
 //!
 //! `--kernels` prints the time of each kernel instead, with contacts, in the first step and in the fourth.
 //!
-//! `--memory` prints the size of all buffers for a million tori and of the largest ones, from the lists of 2,200 at the same
-//! density.
+//! `--memory` prints the size of all buffers for a million tori and of the largest ones, from the lists of 2,200 at the
+//! same density.
 //!
-//! `--quick` takes scenes of 300 bodies, because larger ones take minutes on a software driver. `--only NAME` takes those
-//! whose name contains NAME. `--counts` counts 2,200 tori without measuring times,
-//! contacts at two speeds, and so with one and with several collision substeps. `--counts --strewn` counts 100,000 tori
-//! so far apart that fewer than a thousand pairs touch.
+//! `--quick` takes scenes of 300 bodies, because larger ones take minutes on a software driver. `--only NAME` takes
+//! those whose name contains NAME. `--counts` counts 2,200 tori without measuring times, contacts at two speeds, and so
+//! with one and with several collision substeps. `--counts --strewn` counts 100,000 tori so far apart that fewer than a
+//! thousand pairs touch.
 //!
 //! Faces are counted, and listed only with `--faces`.
 
@@ -372,8 +372,8 @@ fn repeat(mut measurement: impl FnMut() -> Result<(), StepError>) -> Result<(), 
     Ok(())
 }
 
-/// Time per step, the work of the last one, and its numbers of collision substeps and touching pairs. Each step continues
-/// from the one before, and results are read back `latency` steps later.
+/// Time per step, the work of the last one, and its numbers of collision substeps and touching pairs. Each step
+/// continues from the one before, and results are read back `latency` steps later.
 fn in_flight(
     step: &mut GpuStep,
     state: &StepState,

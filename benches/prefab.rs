@@ -46,7 +46,8 @@ fn scene(minor: u32) -> Vec<u8> {
     gltf.for_bevy().glb()
 }
 
-/// The longest frame in milliseconds while the scene is spawned for the first time, and in the fastest of the next times.
+/// The longest frame in milliseconds while the scene is spawned for the first time, and in the fastest of the next
+/// times.
 fn frames(folder: &Path, name: &str, with_colliders: bool) -> [f64; 2] {
     let mut app = app(folder);
     let scene = app.world().resource::<AssetServer>().load(format!("{name}#Scene0"));

@@ -1,5 +1,5 @@
-//! What a snapshot costs: 1,000 tori in a pile on the CPU, `cargo bench --bench snapshot`. The sizes are those in memory
-//! and as text.
+//! What a snapshot costs: 1,000 tori in a pile on the CPU, `cargo bench --bench snapshot`. The sizes are those in
+//! memory and as text.
 //!
 //! Times are medians and depend on the machine; the counts are the same everywhere.
 

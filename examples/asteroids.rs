@@ -4,7 +4,8 @@
 //!   anew;
 //! * `cargo run --release --example asteroids -- --headless` ends with an error if the ship hits nothing.
 //!
-//! The ship flies by itself until a key is pressed. The module `common` opens the window: your game uses `DefaultPlugins`.
+//! The ship flies by itself until a key is pressed. The module `common` opens the window: your game uses
+//! `DefaultPlugins`.
 
 mod common;
 

@@ -6,9 +6,9 @@
 //! cargo run --release --features cli --example baked_asset -- --headless
 //! ```
 //!
-//! The first command writes `assets/baked/knot.faceoff`, with the settings of the recipe. Without it the example loads the
-//! recipe itself, `assets/knot.bake.ron`, which bakes on load: the same mesh, later. It prints how long it has waited, and
-//! how the knots fare. It ends with an error if none of them collide.
+//! The first command writes `assets/baked/knot.faceoff`, with the settings of the recipe. Without it the example loads
+//! the recipe itself, `assets/knot.bake.ron`, which bakes on load: the same mesh, later. It prints how long it has
+//! waited, and how the knots fare. It ends with an error if none of them collide.
 //!
 //! Bevy's asset processor does the same while you develop: see the example `bake_assets`. The module `common` opens the
 //! window. In your own game use `DefaultPlugins` for that.

@@ -15,8 +15,8 @@ use std::f32::consts::FRAC_PI_2;
 const RINGS: usize = 7;
 /// Height of the fixed ring, metres.
 const TOP: f32 = 5.3;
-/// Distance of the centres of two rings at rest, metres: the tubes, of radius 0.06 around a circle of radius 0.44, touch
-/// inside of both rings.
+/// Distance of the centres of two rings at rest, metres: the tubes, of radius 0.06 around a circle of radius 0.44,
+/// touch inside of both rings.
 const LINK: f32 = 2.0 * (0.44 - 0.06);
 const STEPS: u32 = 64 * 8;
 

@@ -1,7 +1,7 @@
 //! A character climbs stairs, walks down a ramp, pushes crates and rides a lift.
 //!
-//! * `cargo run --release --example character --features window` shows it in a window: WASD moves, space jumps. While no key is
-//!   pressed it goes its way by itself;
+//! * `cargo run --release --example character --features window` shows it in a window: WASD moves, space jumps. While
+//!   no key is pressed it goes its way by itself;
 //! * `cargo run --release --example character -- --headless` prints where it is, and on what it stands.
 //!
 //! The module `common` opens the window. In your own game use `DefaultPlugins` for that.

@@ -2,8 +2,8 @@
 //! velocities: sequential impulses with friction and restitution, as in many game engines.
 //!
 //! * `cargo run --release --example custom_response --features window` shows it in a window;
-//! * `cargo run --release --example custom_response -- --headless` prints how bodies come to rest. It ends with an error if
-//!   one sinks into the ground or does not come to rest.
+//! * `cargo run --release --example custom_response -- --headless` prints how bodies come to rest. It ends with an
+//!   error if one sinks into the ground or does not come to rest.
 //!
 //! The module `common` opens the window. In your own game use `DefaultPlugins` for that.
 
@@ -14,7 +14,8 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy_faceoff::prelude::*;
 
-/// A pile needs many, because each step begins anew: a warm start, with the impulses of the last step, would need fewer.
+/// A pile needs many, because each step begins anew: a warm start, with the impulses of the last step, would need
+/// fewer.
 const ITERATIONS: usize = 60;
 const FRICTION: f32 = 0.6;
 const RESTITUTION: f32 = 0.5;
@@ -32,7 +33,8 @@ fn main() -> AppExit {
     };
     let mut app = common::app_with("custom response", STEPS, step);
     app.insert_resource(Response::None)
-        // With this response the margin does not grow with speed. It must be wide enough to see a contact one step ahead.
+        // With this response the margin does not grow with speed. It must be wide enough to see a contact one step
+        // ahead.
         .insert_resource(SolverSettings {
             contact_margin: 0.25,
             ..default()

@@ -64,8 +64,8 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     }
     commands.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
     let knot = MeshCollider(assets.load("knot.bake.ron"));
-    // The headless run waits for the meshes of all colliders, so this one, which is static, makes it wait for the knots. It is
-    // so high that it casts no shadow.
+    // The headless run waits for the meshes of all colliders, so this one, which is static, makes it wait for the
+    // knots. It is so high that it casts no shadow.
     commands.spawn((knot.clone(), Transform::from_xyz(0.0, 10.0 * SPOUT, 0.0)));
     commands.insert_resource(Jug {
         knot,

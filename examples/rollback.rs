@@ -1,11 +1,13 @@
 //! Rollback: two players push their rings through a pile, and the inputs of the other one arrive 8 steps late.
 //!
-//! * `cargo run --release --example rollback --features window` shows it in a window: WASD push the ring of this player;
-//! * `cargo run --release --example rollback -- --headless` compares it with a run without delay. It ends with an error if
-//!   they differ in a single bit.
+//! * `cargo run --release --example rollback --features window` shows it in a window: WASD push the ring of this
+//!   player;
+//! * `cargo run --release --example rollback -- --headless` compares it with a run without delay. It ends with an error
+//!   if they differ in a single bit.
 //!
-//! Each step begins at the last state for which all inputs are known. It goes one step on with the inputs that have arrived,
-//! takes a [`Snapshot`], and then repeats the 8 steps up to now with a guess of those that have not. The guess is drawn.
+//! Each step begins at the last state for which all inputs are known. It goes one step on with the inputs that have
+//! arrived, takes a [`Snapshot`], and then repeats the 8 steps up to now with a guess of those that have not. The guess
+//! is drawn.
 //!
 //! The module `common` opens the window. In your own game use `DefaultPlugins` for that.
 

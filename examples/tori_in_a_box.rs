@@ -4,8 +4,8 @@
 //!   collisions and the culling of triangles;
 //! * `cargo run --release --example tori_in_a_box --features window -- --bodies 2200` is figure 6 of the paper. Add
 //!   `--backend cpu` or `--backend gpu` to compare both;
-//! * `cargo run --release --example tori_in_a_box -- --headless` prints how many pairs touch, and what a step takes. It ends
-//!   with an error if none do, or if a torus leaves the box.
+//! * `cargo run --release --example tori_in_a_box -- --headless` prints how many pairs touch, and what a step takes. It
+//!   ends with an error if none do, or if a torus leaves the box.
 //!
 //! The module `common` opens the window. In your own game use `DefaultPlugins` for that.
 
@@ -31,7 +31,8 @@ fn main() -> AppExit {
     let half = PAPER.1 * (tori as f32 / PAPER.0 as f32).cbrt().max(0.15);
     app.insert_resource(Gravity(Vec3::ZERO))
         .insert_resource(Scene { tori, half })
-        // One impulse for each pair that touches. It is the fastest, and does not push apart what overlaps at the start.
+        // One impulse for each pair that touches. It is the fastest, and does not push apart what overlaps at the
+        // start.
         .insert_resource(Response::Impulse)
         .insert_resource(common::View {
             from: half * Vec3::new(1.4, 1.0, 2.7),

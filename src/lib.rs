@@ -41,9 +41,9 @@
 //! | ask which placed meshes touch, and where, without an app | [`queries`] |
 //! | know what components and settings mean | [`types`], [`plugin::components`], [`plugin::settings`] |
 //!
-//! Meshes are baked once, by height projection (Aly & Elawady, "A New Narrow Phase Collision Detection Algorithm Using Height
-//! Projection", EDERC 2010), made exact. Every fixed step then runs ordered stages, on the CPU or on a GPU: broad phase,
-//! angles, triangle test, manifolds, force scan, integrate.
+//! Meshes are baked once, by height projection (Aly & Elawady, "A New Narrow Phase Collision Detection Algorithm Using
+//! Height Projection", EDERC 2010), made exact. Every fixed step then runs ordered stages, on the CPU or on a GPU:
+//! broad phase, angles, triangle test, manifolds, force scan, integrate.
 //!
 //! # Units
 //!
@@ -84,8 +84,8 @@ pub mod projection;
 pub mod queries;
 pub mod types;
 
-// The stages and what they work on, for this repository's tests, benches and command line. Hidden from the documentation:
-// they change without notice.
+// The stages and what they work on, for this repository's tests, benches and command line. Hidden from the
+// documentation: they change without notice.
 #[doc(hidden)]
 pub mod angles;
 #[doc(hidden)]

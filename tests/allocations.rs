@@ -105,8 +105,9 @@ const IN_A_ROW: usize = 5;
 
 /// Runs rounds until so many in a row are warm.
 ///
-/// Each thread has memory of its own, and which one meets the largest pair is chance. So with several threads `most` rounds may
-/// go by before all of them have met it. Memory that some rounds need and let go would break the row again and again.
+/// Each thread has memory of its own, and which one meets the largest pair is chance. So with several threads `most`
+/// rounds may go by before all of them have met it. Memory that some rounds need and let go would break the row again
+/// and again.
 fn warm_up(most: usize, what: &str, mut round: impl FnMut() -> Stats, is_warm: impl Fn(&Stats) -> bool) {
     let (mut row, mut cold) = (0, Vec::new());
     while row < IN_A_ROW {

@@ -236,7 +236,8 @@ fn lattice(count: usize, distance: f32) -> impl Iterator<Item = Transform> {
     (0..count).map(move |i| Transform::from_translation(distance * place(i)))
 }
 
-/// 500 groups of eight cubes each: bodies of eight colliders, or cubes that do not collide. Each group, or cube, rotates.
+/// 500 groups of eight cubes each: bodies of eight colliders, or cubes that do not collide. Each group, or cube,
+/// rotates.
 fn cubes_of_eight(world: &mut World, joined: bool) {
     let cube = mesh(world, &shapes::cube(1.0));
     let spin = AngularVelocity(Vec3::Y);

@@ -1,6 +1,7 @@
 //! `--gif FILE`: saves the window as a moving picture, of a size that suits a README.
 //!
-//! A frame of the picture is a frame of the window and a fixed number of steps, however long the machine takes for them.
+//! A frame of the picture is a frame of the window and a fixed number of steps, however long the machine takes for
+//! them.
 
 use super::window::Waiting;
 use super::{Options, STEP};

@@ -166,7 +166,8 @@ fn run_headless(mut app: App, steps: u32) -> AppExit {
     app.finish();
     app.cleanup();
     loop {
-        // Where kernels are compiled in the background, only a step notices that they are there. Nothing moves before that.
+        // Where kernels are compiled in the background, only a step notices that they are there. Nothing moves before
+        // that.
         let is_opening = matches!(app.world().resource(), ActiveBackend::Opening);
         let time = if is_opening { STEP } else { Duration::ZERO };
         app.insert_resource(TimeUpdateStrategy::ManualDuration(time));

@@ -1,6 +1,7 @@
 //! Draws all tori in one call, where they are in the memory of the GPU.
 //!
-//! 1. When a frame is extracted, the poses are copied on the GPU, because the steps of the next frame run while this one is drawn.
+//! 1. When a frame is extracted, the poses are copied on the GPU, because the steps of the next frame run while this
+//!    one is drawn.
 //! 2. After the opaque meshes of Bevy, one call draws an instance of the mesh for each pose: `draw.wgsl`.
 
 use crate::common::View;

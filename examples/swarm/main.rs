@@ -1,12 +1,12 @@
-//! Drawn without reading back: 100,000 tori fly in a box and bounce. They stay on the GPU from step to step, and a shader draws
-//! them from there.
+//! Drawn without reading back: 100,000 tori fly in a box and bounce. They stay on the GPU from step to step, and a
+//! shader draws them from there.
 //!
 //! * `cargo run --release --example swarm --features window` shows it in a window. Add `-- --bodies 1000000` for more;
-//! * `cargo run --release --example swarm -- --headless` prints what a step costs. It ends with an error if nothing collides, or
-//!   if more than counts is read back.
+//! * `cargo run --release --example swarm -- --headless` prints what a step costs. It ends with an error if nothing
+//!   collides, or if more than counts is read back.
 //!
-//! It needs a GPU: on a driver that computes on the CPU there are fewer tori. `draw.rs` is what a game needs to draw its own
-//! swarm. The module `common` opens the window. In your own game use `DefaultPlugins` for that.
+//! It needs a GPU: on a driver that computes on the CPU there are fewer tori. `draw.rs` is what a game needs to draw
+//! its own swarm. The module `common` opens the window. In your own game use `DefaultPlugins` for that.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -16,7 +16,8 @@ fn speculative_margin(step: t::Step, a: t::Body, b: t::Body) -> f32 {
     return at_rest + min(travel, BOUND * min(a.thickness, b.thickness));
 }
 
-// The sway of a body's surface where the other may touch it, m/s, or a larger number where that adds little to the margin.
+// The sway of a body's surface where the other may touch it, m/s, or a larger number where that adds little to the
+// margin.
 fn sway_near(step: t::Step, own: t::Body, other: t::Body, time: f32, at_rest: f32) -> f32 {
     let spin = sqrt(dot(own.angular_velocity, own.angular_velocity)) * own.radius;
     if (own.flags & t::KIND_MASK) == t::STATIC || spin * (step.travel_scale * time) <= at_rest {

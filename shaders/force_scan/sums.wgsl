@@ -1,5 +1,5 @@
-// ForceScan: each collider sums the impulses of its entries, in their order, and of its planes, as changes of its body's
-// velocity. One thread per collider.
+// ForceScan: each collider sums the impulses of its entries, in their order, and of its planes, as changes of its
+// body's velocity. One thread per collider.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::math::rotate

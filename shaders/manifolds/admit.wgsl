@@ -1,6 +1,6 @@
 // Contact generation: drops features that disagree with a nearby patch. Of the overlapping features of a vertex only
-// the shallowest stays: the face through which it entered. Lists the patches without an overlapping feature. One workgroup
-// per pair.
+// the shallowest stays: the face through which it entered. Lists the patches without an overlapping feature. One
+// workgroup per pair.
 #import faceoff::agree::agree
 #import faceoff::constants::manifolds::MIN_AGREEMENT
 #import faceoff::dispatch::group_index

@@ -1,9 +1,9 @@
-// Contact generation: drops speculative points that do not count, because the surfaces do not meet there. One workgroup per
-// pair of bodies, one thread per feature. The twin of `src/manifolds/cpu/arrival.rs`.
+// Contact generation: drops speculative points that do not count, because the surfaces do not meet there. One workgroup
+// per pair of bodies, one thread per feature. The twin of `src/manifolds/cpu/arrival.rs`.
 //
-// A point ahead of a body lies on the plane through the other body's face, and the solver lets nothing cross that plane. A
-// body that flies past a convex edge crosses it beyond the edge, where there is no surface. So a point counts if the surfaces
-// do not arrive within the collision substep, or if they arrive on the surface.
+// A point ahead of a body lies on the plane through the other body's face, and the solver lets nothing cross that
+// plane. A body that flies past a convex edge crosses it beyond the edge, where there is no surface. So a point counts
+// if the surfaces do not arrive within the collision substep, or if they arrive on the surface.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
 #import faceoff::constants::manifolds::ARRIVAL_TOLERANCE

@@ -199,8 +199,9 @@ fn label(thread: u32) {
     sync();
 }
 
-// Orders the segments by contour. Contours come in the order of their first segments, and the segments of each in their own
-// order. Returns the number of contours that may have a patch: contours of more than one segment, or that end at a rim.
+// Orders the segments by contour. Contours come in the order of their first segments, and the segments of each in their
+// own order. Returns the number of contours that may have a patch: contours of more than one segment, or that end at a
+// rim.
 fn group_by_contour(a: sides::Side, b: sides::Side, has_rims: bool, thread: u32) -> u32 {
     var before = vec2(0u);
     for (var round = 0u; round < count; round += 64u) {

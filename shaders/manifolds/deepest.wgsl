@@ -1,8 +1,8 @@
 #define_import_path faceoff::deepest
 
-// Rays along a patch's normal from the vertices of both bodies that reach deepest, if they reach deeper than features and than
-// the ray through its middle: the end of a slender body lies far from the middle. The twin of `deepest_probes` in
-// `src/manifolds/cpu/pair.rs`, and of `deepest.rs` there.
+// Rays along a patch's normal from the vertices of both bodies that reach deepest, if they reach deeper than features
+// and than the ray through its middle: the end of a slender body lies far from the middle. The twin of `deepest_probes`
+// in `src/manifolds/cpu/pair.rs`, and of `deepest.rs` there.
 
 #import faceoff::arena::{meshes, vector}
 #import faceoff::constants::manifolds::{ASIDE, DEEPER, MAX_DEPTH, RAY_LENGTH}

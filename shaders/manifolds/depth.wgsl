@@ -1,6 +1,6 @@
-// Contact generation: how deep the bodies overlap at the centre of each patch and at their deepest vertices there, and the window in which the second search looks
-// for features that overlap. One workgroup per pair, one thread per patch. The twin of `find_overlaps` in
-// `src/manifolds/cpu/pair.rs`.
+// Contact generation: how deep the bodies overlap at the centre of each patch and at their deepest vertices there, and
+// the window in which the second search looks for features that overlap. One workgroup per pair, one thread per patch.
+// The twin of `find_overlaps` in `src/manifolds/cpu/pair.rs`.
 #import faceoff::agree::agree
 #import faceoff::constants::manifolds::MAX_DEPTH
 #import faceoff::deepest::{deepest_unfinished, probe_of_vertex}

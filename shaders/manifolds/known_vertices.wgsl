@@ -1,7 +1,7 @@
 #define_import_path faceoff::known_vertices
 
-// The vertices of a pair that have a feature over a face, each with the nearest of these features: a hash table in words of
-// the features themselves, two slots each.
+// The vertices of a pair that have a feature over a face, each with the nearest of these features: a hash table in
+// words of the features themselves, two slots each.
 
 #import faceoff::types as t
 

@@ -33,7 +33,8 @@ var<workgroup> stack: array<vec2<u32>, 512>;
 var<workgroup> found: array<atomic<u32>, 6>;
 var<workgroup> base: u32;
 
-// The first pairs of leaves with triangles that are near: the numbers of the two leaves, and a bit per pair of triangles.
+// The first pairs of leaves with triangles that are near: the numbers of the two leaves, and a bit per pair of
+// triangles.
 const MAX_LEAVES: u32 = 128u;
 var<workgroup> near_leaves: array<vec4<u32>, MAX_LEAVES>;
 

@@ -1,5 +1,5 @@
-// Contact generation: the features between nearest points that count. One workgroup per pair of bodies, one thread per pair of
-// triangles. The first round counts them, the second writes them in the order of the triangles. The twin of
+// Contact generation: the features between nearest points that count. One workgroup per pair of bodies, one thread per
+// pair of triangles. The first round counts them, the second writes them in the order of the triangles. The twin of
 // `src/manifolds/cpu/near_features.rs`.
 //
 // Features of one-sided triangles count only where the bodies are nearest, and only if no other feature of the pair is

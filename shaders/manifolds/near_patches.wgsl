@@ -15,8 +15,8 @@ const MAX_LEVEL: u32 = 10u;
 // The device aborted a loop.
 var<private> search_unfinished: bool = false;
 
-// The number of the first patch, from number `start` on, that reaches the point; `count` if there is none. The pair's patches
-// begin at index `first`.
+// The number of the first patch, from number `start` on, that reaches the point; `count` if there is none. The pair's
+// patches begin at index `first`.
 fn next_near(first: u32, count: u32, start: u32, p: vec3<f32>) -> u32 {
     var k = start;
     var is_near = false;

@@ -1,8 +1,8 @@
 #define_import_path faceoff::nearest
 
-// Features between nearest points of two triangles: two corners, a corner and an edge, edges of any angle, and a corner over
-// the back of a two-sided face. The twin of `src/manifolds/cpu/nearest.rs`. All conditions are wider by the rounding,
-// so that adjacent features leave no gap: both are found there.
+// Features between nearest points of two triangles: two corners, a corner and an edge, edges of any angle, and a corner
+// over the back of a two-sided face. The twin of `src/manifolds/cpu/nearest.rs`. All conditions are wider by the
+// rounding, so that adjacent features leave no gap: both are found there.
 
 #import faceoff::arena::words
 #import faceoff::constants::manifolds::{ALONG, OUTSIDE}

@@ -23,8 +23,8 @@ struct Probe {
     separation: f32,
 }
 
-// Casts two rays along n through p. They start slightly before p, because rounding may put p outside where the bodies only
-// touch.
+// Casts two rays along n through p. They start slightly before p, because rounding may put p outside where the bodies
+// only touch.
 fn cast_through(a: sides::Side, b: sides::Side, n: vec3<f32>, p: vec3<f32>, setup: t::PairSetup) -> Probe {
     var probe: Probe;
     probe.separation = t::DROPPED;

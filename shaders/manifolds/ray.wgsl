@@ -1,6 +1,6 @@
 // Contact generation: patches without an overlapping feature get their points from rays along the normal, cast from
-// five points in the patch to where they leave the bodies, and from the vertices that reach deepest. One workgroup per pair,
-// one thread per point.
+// five points in the patch to where they leave the bodies, and from the vertices that reach deepest. One workgroup per
+// pair, one thread per point.
 #import faceoff::agree::agree
 #import faceoff::constants::manifolds::{HALFWAY_DEPTH, MIN_PROBED_AREA, PROBE_FRACTION, SHALLOW}
 #import faceoff::deepest::{deepest_unfinished, probe_of_vertex}
@@ -23,7 +23,8 @@
 // Points per patch: five in it, and the vertex of each body that reaches deepest.
 const PLACES: u32 = 7u;
 const FIRST_VERTEX: u32 = 5u;
-// Points of a patch at a rim: in the middle of the part of the rim that is in the other body, and halfway to both of its ends.
+// Points of a patch at a rim: in the middle of the part of the rim that is in the other body, and halfway to both of
+// its ends.
 const RIM_PLACES: u32 = 3u;
 
 var<workgroup> base: u32;

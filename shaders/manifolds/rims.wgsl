@@ -105,8 +105,8 @@ fn rim_of(
     rim.middle = ends.xyz / ends.w;
     rim.half = place(minimum_number(first_end, thread)) - rim.middle;
     let out = way_out(other, range, is_second, center, length, rim.middle, thread);
-    // How far the contour leads out, and how far corners of the rim lie below its ends. A rim that has passed a flat face ends
-    // there with its corners.
+    // How far the contour leads out, and how far corners of the rim lie below its ends. A rim that has passed a flat
+    // face ends there with its corners.
     var reach = 0.0;
     var below = 0.0;
     for (var i = range.x + thread; i < range.y; i += 64u) {

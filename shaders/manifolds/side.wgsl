@@ -147,8 +147,8 @@ fn edge_normal_rotation(side: Side, number: u32) -> f32 {
     return rotation_in(side, (words[record(side, number) + 12u] >> 8u) & 255u);
 }
 
-// Largest angle between a triangle's normal and the way to a point to which it is nearest at a vertex or edge that it owns,
-// radians. `ANY_NORMAL` permits every way.
+// Largest angle between a triangle's normal and the way to a point to which it is nearest at a vertex or edge that it
+// owns, radians. `ANY_NORMAL` permits every way.
 fn nearest_rotation(side: Side, number: u32) -> f32 {
     return rotation_in(side, (words[record(side, number) + 12u] >> 16u) & 255u);
 }

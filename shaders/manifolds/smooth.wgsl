@@ -53,8 +53,8 @@ struct Sphere {
     normal: vec3<f32>,
 }
 
-// The contact at a feature, for the radii of curvature of the faces there. The second body rotates with `spin` relative to
-// the first.
+// The contact at a feature, for the radii of curvature of the faces there. The second body rotates with `spin` relative
+// to the first.
 fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, face_radii: vec2<f32>, spin: vec3<f32>) -> Smoothed {
     var result: Smoothed;
     result.normal = feature.normal;
@@ -116,8 +116,8 @@ fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, face_radii: vec
     return result;
 }
 
-// The contact of the smooth surface around a vertex with the outward normal `out`. The words of its roundness begin at `at`;
-// `rotation` and `scale` place it. The body rotates with `spin` relative to the other.
+// The contact of the smooth surface around a vertex with the outward normal `out`. The words of its roundness begin at
+// `at`; `rotation` and `scale` place it. The body rotates with `spin` relative to the other.
 fn vertex_contact(
     at: u32,
     rotation: mat3x3<f32>,

@@ -1,5 +1,5 @@
-// Contact generation: splits pairs of large meshes into pieces. One workgroup per pair of bodies. Only for steps with a large
-// mesh.
+// Contact generation: splits pairs of large meshes into pieces. One workgroup per pair of bodies. Only for steps with a
+// large mesh.
 #import faceoff::agree::agree
 #import faceoff::dispatch::{group_index, rows}
 #import faceoff::near_boxes::{boxes_near, has_window, is_done, set_reach}

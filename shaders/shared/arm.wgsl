@@ -25,9 +25,9 @@ fn velocity(body: t::Body) -> vec3<f32> {
     return select(body.linear_velocity, vec3(0.0), (body.flags & t::KIND_MASK) == t::STATIC);
 }
 
-// Upper bound of the distance from the axis of rotation of collider `own`, through its centre of mass, at which `other` may
-// touch it, metres; no more than its bounding radius. `motion` bounds how far points of `other` move relative to the
-// centre of mass of `own`.
+// Upper bound of the distance from the axis of rotation of collider `own`, through its centre of mass, at which `other`
+// may touch it, metres; no more than its bounding radius. `motion` bounds how far points of `other` move relative to
+// the centre of mass of `own`.
 fn arm(own: t::Body, other: t::Body, motion: f32) -> f32 {
     let w = own.angular_velocity;
     let turn = sqrt(dot(w, w));

@@ -87,7 +87,8 @@ struct Opened {
     wanted: bool,
 }
 
-// Opens the taller one of two nodes, or both if they are equally tall: eight children of one against eight of the other.
+// Opens the taller one of two nodes, or both if they are equally tall: eight children of one against eight of the
+// other.
 fn open(nodes: vec2<u32>, thread: u32) -> Opened {
     let levels = nodes >> vec2(28u);
     let children = children_of(nodes & vec2(NUMBER), thread);

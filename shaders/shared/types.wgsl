@@ -202,8 +202,8 @@ struct Sweep {
     travel: vec3<f32>,
     // As in `Body`.
     flags: u32,
-    // Upper bound of the speed of the body's surface relative to its centre of mass within the step, m/s; 0 if it needs no
-    // collision substeps. `group_bodies.wgsl` writes it.
+    // Upper bound of the speed of the body's surface relative to its centre of mass within the step, m/s; 0 if it needs
+    // no collision substeps. `group_bodies.wgsl` writes it.
     spin: f32,
     padding_a: u32,
     padding_b: u32,
@@ -303,8 +303,8 @@ struct PairResult {
     pieces: u32,
 }
 
-// A piece of a pair of large meshes: the parts below two nodes, and what TriangleTest finds there. Sums over the contour are
-// relative to `origin`, in the pair's unit.
+// A piece of a pair of large meshes: the parts below two nodes, and what TriangleTest finds there. Sums over the
+// contour are relative to `origin`, in the pair's unit.
 struct Piece {
     // Midpoints of segments weighted by their length.
     middle: vec3<f32>,
@@ -551,8 +551,8 @@ struct Segment {
     padding: vec2<u32>,
 }
 
-// The part of both surfaces inside a closed contour, or at a rim of an open mesh where a contour ends. The patches of a pair
-// start at the index of its first segment.
+// The part of both surfaces inside a closed contour, or at a rim of an open mesh where a contour ends. The patches of a
+// pair start at the index of its first segment.
 struct Patch {
     center: vec3<f32>,
     // Distance from the centre up to which features belong to the patch.
@@ -599,7 +599,8 @@ struct ContactPoint {
     face_b: u32,
     // Rotation of the normal per distance that the surfaces slide along each other, radians per metre.
     normal_rotation: f32,
-    // By how much the smooth surfaces are nearer to each other than the meshes. The solver keeps the smooth surfaces apart.
+    // By how much the smooth surfaces are nearer to each other than the meshes. The solver keeps the smooth surfaces
+    // apart.
     bulge: f32,
 }
 

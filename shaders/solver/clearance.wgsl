@@ -19,8 +19,8 @@ fn may_be_tight(pair: s::SolverPair) -> bool {
     return false;
 }
 
-// The rest offset of a point of a pair: half of the gap to each opposite point, if that is less. It is negative by up to the
-// bulge where only the meshes leave room.
+// The rest offset of a point of a pair: half of the gap to each opposite point, if that is less. It is negative by up
+// to the bulge where only the meshes leave room.
 fn rest_offset(pair: s::SolverPair, point: t::ContactPoint) -> f32 {
     let end = pair.first + min(pair.count, MOST_COMPARED);
     var least = pair.rest_offset;

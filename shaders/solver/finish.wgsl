@@ -1,5 +1,5 @@
-// Solver: moves bodies that are in no island, and writes poses and velocities back at the end of a collision substep. One
-// thread per body.
+// Solver: moves bodies that are in no island, and writes poses and velocities back at the end of a collision substep.
+// One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::math::compose
 #import faceoff::motion as m

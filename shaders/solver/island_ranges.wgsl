@@ -1,5 +1,5 @@
-// Solver: lists the islands, small ones from the front of the list and large ones from its back. Their order in the list
-// depends on the order of threads; nothing else does. One thread per sorted pair.
+// Solver: lists the islands, small ones from the front of the list and large ones from its back. Their order in the
+// list depends on the order of threads; nothing else does. One thread per sorted pair.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 

@@ -118,8 +118,8 @@ fn unit_or(v: vec3<f32>, least: f32, otherwise: vec3<f32>) -> vec3<f32> {
     return otherwise;
 }
 
-// The line through the centres of the colliders. If one body has no mass it is the depth-weighted mean normal, because that body's centre says
-// little about where its surface is.
+// The line through the centres of the colliders. If one body has no mass it is the depth-weighted mean normal, because
+// that body's centre says little about where its surface is.
 fn depenetration_direction(pair: s::SolverPair) -> vec3<f32> {
     let least = MIN_DIRECTION_LENGTH * pair.diameter;
     let centers = unit_or(collider_offset(pair), least, DEFAULT_DIRECTION);

@@ -10,8 +10,8 @@
 @group(0) @binding(7) var<storage, read_write> point_constants: array<s::PointConstants>;
 @group(0) @binding(8) var<storage, read_write> point_states: array<s::PointState>;
 
-// While a patch is examined, the friction offset of each of its points holds its position in the patch's plane and, for the
-// corners of the outline, the number of the next corner. So no thread needs memory of its own for 64 points.
+// While a patch is examined, the friction offset of each of its points holds its position in the patch's plane and, for
+// the corners of the outline, the number of the next corner. So no thread needs memory of its own for 64 points.
 
 // Spreads the friction of the flat patches of a pair over their areas. Removes the points inside a patch: the corners
 // hold the same load, and how the solver shares it out is arbitrary.

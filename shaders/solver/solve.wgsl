@@ -75,9 +75,9 @@ fn bias_of(pair: s::SolverPair, k: u32, parameters: Pass) -> Bias {
     let spring = spring_of(parameters, pair.softness);
     var rigid = Bias(0.0, 1.0, 0.0);
     if (pair.flags & s::DRIVEN) != 0u && parameters.purpose != RESTITUTION {
-        // Where a kinematic body moves, no constraint is rigid. A body that it squeezes against another one has no velocity
-        // that satisfies both contacts, and rigid constraints would push from both sides, with impulses that grow in each
-        // pass.
+        // Where a kinematic body moves, no constraint is rigid. A body that it squeezes against another one has no
+        // velocity that satisfies both contacts, and rigid constraints would push from both sides, with impulses that
+        // grow in each pass.
         rigid = spring_of(parameters, 1.0);
     }
     if separation > 0.0 {
@@ -96,7 +96,8 @@ fn bias_of(pair: s::SolverPair, k: u32, parameters: Pass) -> Bias {
     }
     let fastest = -collision_substep.max_depenetration_speed;
     if spring_speed < fastest {
-        // The force goes on growing with the depth. So a body that is squeezed between two others overlaps both equally.
+        // The force goes on growing with the depth. So a body that is squeezed between two others overlaps both
+        // equally.
         let fraction = fastest / spring_speed;
         var deep = spring_of(parameters, (1.0 + (pair.softness - 1.0) * fraction) * fraction);
         deep.speed = fastest;

@@ -4,8 +4,8 @@
 // A pass visits the pairs by colour: pairs of one colour at once, one thread each. Conditions of loops with barriers
 // are the same for all threads.
 //
-// Between colours only the velocities of bodies go from thread to thread: the same thread visits the points of a pair in
-// each pass. A small island keeps these velocities in workgroup memory. On a real GPU a barrier for storage buffers
+// Between colours only the velocities of bodies go from thread to thread: the same thread visits the points of a pair
+// in each pass. A small island keeps these velocities in workgroup memory. On a real GPU a barrier for storage buffers
 // drops their cached data, and the next colour would then wait for memory at each point.
 #import faceoff::constants::solver::{PASS_BUDGET, RESTITUTION_TOLERANCE, SUBSTEP_BUDGET}
 #import faceoff::contact as c
@@ -357,8 +357,8 @@ fn move_impulses(k: u32, purpose: u32, time: f32) {
     }
 }
 
-// Passes over all pairs, at least `least` and at most `most`, until they have converged. Impulses are extrapolated along
-// a search direction, as in the method of conjugate gradients.
+// Passes over all pairs, at least `least` and at most `most`, until they have converged. Impulses are extrapolated
+// along a search direction, as in the method of conjugate gradients.
 fn solve(thread: u32, island: SolvedIsland, parameters: v::Pass, least: u32, most: u32) {
     var last_energy = 0.0;
     for (var iteration = 1u; iteration <= most; iteration += 1u) {

@@ -229,8 +229,8 @@ struct SolverPair {
     collider_a: u32,
     offset_b: vec3<f32>,
     collider_b: u32,
-    // The mass of the heavier body over that of the lighter one, if impulses move both, or if the lighter one is kinematic; 1
-    // otherwise.
+    // The mass of the heavier body over that of the lighter one, if impulses move both, or if the lighter one is
+    // kinematic; 1 otherwise.
     mass_ratio: f32,
     // Pairs of one island with the same colour have no body in common that impulses move.
     color: u32,
@@ -286,7 +286,8 @@ struct PointConstants {
     normal_rotation: f32,
 }
 
-// The constraint along the normal or a tangent of a point: the Jacobian, where its impulse acts now, and what passes aim at.
+// The constraint along the normal or a tangent of a point: the Jacobian, where its impulse acts now, and what passes
+// aim at.
 struct Row {
     direction: vec3<f32>,
     // Change of the impulse by a unit of velocity error; 0 if the row is not solved.
@@ -393,7 +394,8 @@ struct IslandPair {
     flags: u32,
     // In the n-th pair of an island: one more than the last pair of colour n.
     color_end: u32,
-    // In a small island, where the velocities of the first and of the second body are in workgroup memory, in 16 bits each.
+    // In a small island, where the velocities of the first and of the second body are in workgroup memory, in 16 bits
+    // each.
     places: u32,
 }
 

@@ -205,7 +205,8 @@ fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint, rest_offset
     return constants;
 }
 
-// The centre of curvature, but no deeper than the centre of mass of the collider, which is at `offset`. For a ball that is exactly its centre of curvature.
+// The centre of curvature, but no deeper than the centre of mass of the collider, which is at `offset`. For a ball that
+// is exactly its centre of curvature.
 fn curvature_center(anchor: vec3<f32>, offset: vec3<f32>, out: vec3<f32>, curvature_radius: f32) -> vec3<f32> {
     if !finite(curvature_radius) || curvature_radius >= s::INFINITE_LENGTH {
         return anchor;

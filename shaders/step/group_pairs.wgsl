@@ -46,8 +46,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     add_spin_near(root, b.spin, neighbour, body);
 }
 
-// Adds the speed at which the surface of a body moves relative to its centre of mass where `other` may touch it within the
-// step. No part of the surface is faster than `most`. The twin of `spin_near` in `src/step/reach.rs`.
+// Adds the speed at which the surface of a body moves relative to its centre of mass where `other` may touch it within
+// the step. No part of the surface is faster than `most`. The twin of `spin_near` in `src/step/reach.rs`.
 fn add_spin_near(root: u32, most: f32, body: t::Body, other: t::Body) {
     // Another surface of the group moves as fast.
     if most <= bitcast<f32>(atomicLoad(&meetings[root].spin)) {
@@ -62,8 +62,8 @@ fn add_spin_near(root: u32, most: f32, body: t::Body, other: t::Body) {
     add_spin(root, spin);
 }
 
-// Whether the bounding box of a sweep, in the axes of a static body, overlaps the box of a cluster of the body's triangles.
-// Most of a level's bounding sphere is empty.
+// Whether the bounding box of a sweep, in the axes of a static body, overlaps the box of a cluster of the body's
+// triangles. Most of a level's bounding sphere is empty.
 fn meets_mesh(sweep: t::Sweep, body: t::Body) -> bool {
     let mesh = meshes[body.mesh];
     let to_local = conjugate(body.rotation);

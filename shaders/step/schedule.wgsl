@@ -1,5 +1,5 @@
-// Begin of a step that may need several collision substeps, last: how many each body has, and its speculative radius in the
-// first of them. One thread per collider.
+// Begin of a step that may need several collision substeps, last: how many each body has, and its speculative radius in
+// the first of them. One thread per collider.
 #import faceoff::dispatch::group_index
 #import faceoff::margins::with_speculative_radius
 #import faceoff::paces::{NO_PACE, travel_time}

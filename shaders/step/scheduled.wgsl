@@ -11,8 +11,8 @@ fn has_completed(pace: u32, collision_substeps: u32) -> bool {
     return pace == NO_PACE || collision_substeps > pace;
 }
 
-// The collider, moved to its new place, in the next collision substep. `rests`: it is static or asleep. If it has completed
-// its step its sphere stays as it was, so that the pairs that keep contact points are found.
+// The collider, moved to its new place, in the next collision substep. `rests`: it is static or asleep. If it has
+// completed its step its sphere stays as it was, so that the pairs that keep contact points are found.
 fn after_substep(step: t::Step, body: t::Body, rests: bool, completed: bool) -> t::Body {
     var next = body;
     if !rests {

@@ -1,5 +1,5 @@
-// Begin of a step that may need several collision substeps: the sphere that each collider sweeps over in the whole step. The
-// broad phase then finds the pairs that can meet. At first every body is a group of its own. One thread per
+// Begin of a step that may need several collision substeps: the sphere that each collider sweeps over in the whole
+// step. The broad phase then finds the pairs that can meet. At first every body is a group of its own. One thread per
 // collider.
 #import faceoff::arena::meshes
 #import faceoff::constants::shared::SAFETY

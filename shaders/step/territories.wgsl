@@ -1,10 +1,10 @@
-// Begin of a step that may need several collision substeps: keeps groups with different numbers of them apart. The twin of
-// `src/step/territories.rs`. One workgroup.
+// Begin of a step that may need several collision substeps: keeps groups with different numbers of them apart. The twin
+// of `src/step/territories.rs`. One workgroup.
 //
 // Such groups are at different times of the step while it runs, so their bodies must not come near each other at any
-// time. The territory of a group is a box around all places that its bodies may reach, even if impulses within the group
-// turn and speed them up. Groups whose territories overlap are joined, unless both have the same number. Here only
-// groups with several collision substeps have a box: each other body is compared with them individually.
+// time. The territory of a group is a box around all places that its bodies may reach, even if impulses within the
+// group turn and speed them up. Groups whose territories overlap are joined, unless both have the same number. Here
+// only groups with several collision substeps have a box: each other body is compared with them individually.
 //
 // A joined group may reach farther, so all are compared again, in rounds: each round joins all groups that are near
 // each other at its start. So the result does not depend on the order of threads.

@@ -16,9 +16,9 @@ var<workgroup> depth: atomic<u32>;
 // The device aborted a loop.
 var<private> unfinished: bool = false;
 
-// By the winding number along the ray from p along +z or, if the winding is inconsistent, by the parity of crossings. The caps
-// of a nearly closed mesh count too.
-// `end` is the mesh's position in the pair. Eight nodes are opened at a time, one thread per child.
+// By the winding number along the ray from p along +z or, if the winding is inconsistent, by the parity of crossings.
+// The caps of a nearly closed mesh count too. `end` is the mesh's position in the pair. Eight nodes are opened at a
+// time, one thread per child.
 fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
     if thread == 0u {
         atomicStore(&inside, 0);

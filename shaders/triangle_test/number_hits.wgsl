@@ -1,5 +1,5 @@
-// TriangleTest: gives the hits of pieces their pair, and their number within it. One thread per hit. Only for steps with a
-// large mesh.
+// TriangleTest: gives the hits of pieces their pair, and their number within it. One thread per hit. Only for steps
+// with a large mesh.
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 

@@ -2,8 +2,8 @@
 // against eight of another at a time, one thread each, and finally eight triangles against eight. Candidates wait in a
 // queue until there is work for all threads. The order of the results follows the trees, whatever the order of threads.
 //
-// A pair of large meshes may be split (`split.wgsl`). With `PIECES` there is one workgroup per piece of such a pair, whose
-// results `join.wgsl` puts together.
+// A pair of large meshes may be split (`split.wgsl`). With `PIECES` there is one workgroup per piece of such a pair,
+// whose results `join.wgsl` puts together.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
 #import faceoff::dispatch::group_index

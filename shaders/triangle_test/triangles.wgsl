@@ -170,8 +170,8 @@ fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
     return verdict;
 }
 
-// The i-th edge times one of five vectors: the normal of its triangle, an edge of the other one, or the same for the second
-// triangle.
+// The i-th edge times one of five vectors: the normal of its triangle, an edge of the other one, or the same for the
+// second triangle.
 fn edge_axis(a: Triangle, b: Triangle, i: u32, k: u32) -> vec3<f32> {
     let of_a = edge(a, i);
     if k == 0u {

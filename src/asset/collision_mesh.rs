@@ -17,8 +17,8 @@ use std::sync::Arc;
 /// A baked mesh. Clones are cheap: they share the data, which never changes.
 ///
 /// Besides the [`BakedMesh`] it holds data that the steps need and that follows from it. To derive that data, after a
-/// bake or after loading, takes about a millisecond for a thousand triangles, and some tens of milliseconds more where the surface
-/// has openings.
+/// bake or after loading, takes about a millisecond for a thousand triangles, and some tens of milliseconds more where
+/// the surface has openings.
 #[derive(Clone)]
 #[cfg_attr(feature = "bevy", derive(Asset, Reflect), reflect(opaque, Clone, Debug, PartialEq))]
 pub struct CollisionMesh {

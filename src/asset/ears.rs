@@ -1,13 +1,13 @@
 //! Polygons that are not convex, cut into triangles.
 //!
-//! A fan from the first corner suits convex polygons. On others it may fold over: some of its triangles are turned against the
-//! polygon and cover what is outside. Then ears are cut off instead: triangles of three corners in a row that have no other corner
-//! in them.
+//! A fan from the first corner suits convex polygons. On others it may fold over: some of its triangles are turned
+//! against the polygon and cover what is outside. Then ears are cut off instead: triangles of three corners in a row
+//! that have no other corner in them.
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// How many corners the search for the ears of a file may look at in all, and how many more for each of its triangles. The time for
-/// a polygon may grow with more than the square of its corners.
+/// How many corners the search for the ears of a file may look at in all, and how many more for each of its triangles.
+/// The time for a polygon may grow with more than the square of its corners.
 const WORK: u64 = 1 << 28;
 const WORK_PER_TRIANGLE: u64 = 1 << 12;
 
@@ -16,12 +16,13 @@ pub(super) fn work(triangles: usize) -> u64 {
     WORK + WORK_PER_TRIANGLE * triangles as u64
 }
 
-/// By how much a corner may be off the line between its neighbours before it counts, relative to the largest coordinate: a little
-/// more than the rounding of positions in single precision.
+/// By how much a corner may be off the line between its neighbours before it counts, relative to the largest
+/// coordinate: a little more than the rounding of positions in single precision.
 const ROUNDING: f64 = 1.0 / (1 << 21) as f64;
 
-/// Replaces the triangles of a fan by others of the same polygon if it folds over. Whether the triangles cover the polygon now:
-/// they do not if it crosses itself, or if the work is used up. Corners that do not exist are left to others.
+/// Replaces the triangles of a fan by others of the same polygon if it folds over. Whether the triangles cover the
+/// polygon now: they do not if it crosses itself, or if the work is used up. Corners that do not exist are left to
+/// others.
 pub(super) fn straighten(fan: &mut [[u32; 3]], vertices: &[Vec3], work: &mut u64) -> bool {
     let [a, b, _] = fan[0];
     let corners = || [a, b].into_iter().chain(fan.iter().map(|triangle| triangle[2]));

@@ -178,8 +178,8 @@ pub fn from_bytes(bytes: &[u8]) -> Result<(CollisionMesh, Header), FormatError> 
 
 /// Checks a baked file without building its mesh. Returns the header and the number of triangles.
 ///
-/// The checksum covers the whole file, so that a file which a disk or a network has damaged is found. Whether the content
-/// makes a mesh only [`from_bytes`] checks.
+/// The checksum covers the whole file, so that a file which a disk or a network has damaged is found. Whether the
+/// content makes a mesh only [`from_bytes`] checks.
 ///
 /// # Errors
 /// If the bytes are not a `.faceoff` file of this version, or are damaged.

@@ -1,20 +1,20 @@
 //! Import of mesh files of all supported formats. The format is recognised by content or by file name.
 //!
 //! A mesh file may name others, as a `.gltf` file its buffers. Those in its own folder and the folders below are read;
-//! one elsewhere only if a recipe says so with [`Recipe::read_outside`], so that a mesh from a stranger cannot reach for
-//! other data. This is a rule about names: links in the folder are followed, for whoever can place a link there can
+//! one elsewhere only if a recipe says so with [`Recipe::read_outside`], so that a mesh from a stranger cannot reach
+//! for other data. This is a rule about names: links in the folder are followed, for whoever can place a link there can
 //! place the file.
 //!
-//! Files that break the rules of their format in a way that leaves no doubt are read with a [warning](Imported::warnings),
-//! if other readers accept them too. A file that may have been cut off is an error, although some readers take what is
-//! there, as of a text STL file without `endsolid`: the hole would be noticed late.
+//! Files that break the rules of their format in a way that leaves no doubt are read with a
+//! [warning](Imported::warnings), if other readers accept them too. A file that may have been cut off is an error,
+//! although some readers take what is there, as of a text STL file without `endsolid`: the hole would be noticed late.
 //!
 //! # Why not 3MF
 //! No crate reads it as well as these readers read the other formats (November 2026). `lib3mf` 0.1 is careful: millions
 //! of damaged files did not make it panic. But it gives the triangles of a package's first model only, while Bambu
-//! Studio and OrcaSlicer write each object into a model of its own, and it unpacks up to a gigabyte of any file, however
-//! short. `lib3mf-core` 0.4, `threemf` 0.8 and `threemf2` 0.4 unpack without any limit: a file of 3 MB made the last two
-//! take 0.5 GB and 1 GB. Programs that write 3MF write STL or OBJ too.
+//! Studio and OrcaSlicer write each object into a model of its own, and it unpacks up to a gigabyte of any file,
+//! however short. `lib3mf-core` 0.4, `threemf` 0.8 and `threemf2` 0.4 unpack without any limit: a file of 3 MB made the
+//! last two take 0.5 GB and 1 GB. Programs that write 3MF write STL or OBJ too.
 
 use super::collision_mesh::CollisionMesh;
 use super::format::{self, Hash, Header};

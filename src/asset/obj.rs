@@ -16,11 +16,11 @@ use std::fmt::Write;
 
 /// Reads all objects of a file as one mesh, or only the chosen object or group.
 ///
-/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into as many
-/// triangles. The face index counts these triangles in the order of
-/// the file, over all objects and groups or those of the part, before any is dropped. Only `v` and `f` lines are read,
-/// and `o` or `g` lines for a part. Materials, normals, texture coordinates, colours, curves, points and lines are
-/// ignored, as are polygons with fewer than three corners. Negative indices count backwards from the last vertex read.
+/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into
+/// as many triangles. The face index counts these triangles in the order of the file, over all objects and groups or
+/// those of the part, before any is dropped. Only `v` and `f` lines are read, and `o` or `g` lines for a part.
+/// Materials, normals, texture coordinates, colours, curves, points and lines are ignored, as are polygons with fewer
+/// than three corners. Negative indices count backwards from the last vertex read.
 pub(super) fn read(bytes: &[u8], part: Option<&MeshPart>, warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     let mut obj = Obj {
         choice: part.map(Choice::of).transpose()?,
@@ -61,8 +61,9 @@ fn without_comment(line: &[u8]) -> &[u8] {
     }
 }
 
-/// Writes a mesh as the text of an OBJ file: all its faces, also those of zero area, in the order of their ids, wound as they are.
-/// Positions are written with the fewest digits that identify each `f32`, so reading them gives the same bits.
+/// Writes a mesh as the text of an OBJ file: all its faces, also those of zero area, in the order of their ids, wound
+/// as they are. Positions are written with the fewest digits that identify each `f32`, so reading them gives the same
+/// bits.
 pub fn to_obj(mesh: &TriMesh) -> String {
     let mut out = String::new();
     for v in mesh.vertices() {

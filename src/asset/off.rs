@@ -1,7 +1,8 @@
 //! Reader and writer for OFF, the text format of Geomview: only positions and faces.
 //!
-//! Each vertex and each face is expected to begin on a line of its own, as all programs write them; what follows on the line, for
-//! example a colour, is ignored. The corners of a face may go on over further lines. There is no maintained crate that reads it.
+//! Each vertex and each face is expected to begin on a line of its own, as all programs write them; what follows on the
+//! line, for example a colour, is ignored. The corners of a face may go on over further lines. There is no maintained
+//! crate that reads it.
 
 use super::import_error::ImportError;
 use super::polygons::Polygons;
@@ -12,9 +13,8 @@ use std::fmt::Write;
 
 /// Reads a file as one mesh.
 ///
-/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into as many
-/// triangles. The face index counts these triangles in the order of the
-/// file, before any is dropped.
+/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into
+/// as many triangles. The face index counts these triangles in the order of the file, before any is dropped.
 pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     let mut lines = (1..)
         .zip(without_byte_order_mark(bytes).split(|&b| b == b'\n'))
@@ -76,8 +76,8 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, 
     polygons.finish(vertices, warnings)
 }
 
-/// Writes a mesh as the text of an OFF file: all its faces, also those of zero area, in the order of their ids, wound as they are.
-/// Reading it gives the same bits.
+/// Writes a mesh as the text of an OFF file: all its faces, also those of zero area, in the order of their ids, wound
+/// as they are. Reading it gives the same bits.
 pub fn to_off(mesh: &TriMesh) -> String {
     let faces = mesh.all_faces();
     let mut out = format!("OFF\n{} {} 0\n", mesh.vertices().len(), faces.len());

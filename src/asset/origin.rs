@@ -17,7 +17,8 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// Reads a mesh file, and the files it refers to, but builds no mesh. This takes a fraction of the time of an import.
+    /// Reads a mesh file, and the files it refers to, but builds no mesh. This takes a fraction of the time of an
+    /// import.
     ///
     /// # Errors
     /// If a file cannot be read, its format is unknown, or a recipe or a baked file is invalid. The content of other
@@ -60,8 +61,8 @@ impl Origin {
     }
 }
 
-/// The files that [`import_file`](super::import_file) reads for a path: itself, the mesh that a recipe names, and the buffers of a
-/// glTF file. A file that cannot be read names no others.
+/// The files that [`import_file`](super::import_file) reads for a path: itself, the mesh that a recipe names, and the
+/// buffers of a glTF file. A file that cannot be read names no others.
 pub fn input_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let mut files = vec![path.as_ref().to_owned()];
     if is_recipe(&files[0].to_string_lossy())

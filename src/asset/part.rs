@@ -9,8 +9,8 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "Fields", into = "Fields")]
 pub enum MeshPart {
-    /// `(mesh: "Gear", primitive: 0)` or `(mesh: "Gear")`: one mesh of a glTF file or one of its primitives, without the
-    /// transforms of nodes.
+    /// `(mesh: "Gear", primitive: 0)` or `(mesh: "Gear")`: one mesh of a glTF file or one of its primitives, without
+    /// the transforms of nodes.
     Mesh {
         /// The mesh.
         mesh: NameOrIndex,
@@ -26,8 +26,8 @@ pub enum MeshPart {
     /// `(object: "Wheel")`: all faces of an OBJ file after a line `o Wheel`, up to the next line `o`. There may be
     /// several such lines. Vertices that these faces do not use are left out.
     Object(String),
-    /// `(group: "rim")`: all faces of an OBJ file after a line `g` with this name among others, up to the next line `g`.
-    /// There may be several such lines. Faces before any such line, and after one without a name, are in the group
+    /// `(group: "rim")`: all faces of an OBJ file after a line `g` with this name among others, up to the next line
+    /// `g`. There may be several such lines. Faces before any such line, and after one without a name, are in the group
     /// `default`. Vertices that these faces do not use are left out.
     Group(String),
 }

@@ -1,8 +1,8 @@
-//! Reader and writer for PLY. The reader takes text and binary in both orders of bytes, with the crate `ply-rs-bw`: only
-//! positions and faces.
+//! Reader and writer for PLY. The reader takes text and binary in both orders of bytes, with the crate `ply-rs-bw`:
+//! only positions and faces.
 //!
-//! The crate reads from a stream, so it believes how many elements the header promises. Here the header is checked against
-//! the length of the file first.
+//! The crate reads from a stream, so it believes how many elements the header promises. Here the header is checked
+//! against the length of the file first.
 
 use super::import_error::ImportError;
 use super::polygons::Polygons;
@@ -16,9 +16,8 @@ use ply_rs_bw::ply::{
 
 /// Reads the elements `vertex`, `face` and `tristrips` of a file as one mesh. Others are skipped.
 ///
-/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into as many
-/// triangles. The face index counts these triangles in the order of the
-/// file, before any is dropped.
+/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into
+/// as many triangles. The face index counts these triangles in the order of the file, before any is dropped.
 pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     if !is_likely(bytes) {
         return Err(ImportError::NotPly);
@@ -64,8 +63,8 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, 
     polygons.finish(vertices, warnings)
 }
 
-/// Writes a mesh as a PLY file, binary with the low byte first: all its faces, also those of zero area, in the order of their ids,
-/// wound as they are. Reading it gives the same bits.
+/// Writes a mesh as a PLY file, binary with the low byte first: all its faces, also those of zero area, in the order of
+/// their ids, wound as they are. Reading it gives the same bits.
 pub fn to_ply(mesh: &TriMesh) -> Vec<u8> {
     let faces = mesh.all_faces();
     let header = format!(

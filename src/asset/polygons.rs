@@ -32,7 +32,8 @@ impl Fans {
         Ok(())
     }
 
-    /// The triangles, once all vertices are known: a fan that folds over is replaced by as many other triangles of its polygon.
+    /// The triangles, once all vertices are known: a fan that folds over is replaced by as many other triangles of its
+    /// polygon.
     pub fn finish(mut self, vertices: &[Vec3], warnings: &mut Vec<String>) -> Vec<[u32; 3]> {
         let mut work = work(self.triangles.len());
         let mut folded = 0;
@@ -78,8 +79,8 @@ impl Polygons {
         Ok(())
     }
 
-    /// Adds a strip: each corner after the second makes a triangle with the two before it, in turn with one winding and the
-    /// other. A negative index ends a strip, and another one begins.
+    /// Adds a strip: each corner after the second makes a triangle with the two before it, in turn with one winding and
+    /// the other. A negative index ends a strip, and another one begins.
     pub fn push_strips(&mut self, corners: &[i64]) -> Result<(), ImportError> {
         for strip in corners.split(|&corner| corner < 0) {
             for (i, three) in strip.windows(3).enumerate() {

@@ -34,7 +34,8 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// The path of the mesh file, relative to the recipe: a glTF, OBJ, STL, PLY or OFF file, or a baked file to bake again.
+    /// The path of the mesh file, relative to the recipe: a glTF, OBJ, STL, PLY or OFF file, or a baked file to bake
+    /// again.
     pub mesh: String,
     /// The part of a glTF or OBJ file to bake; `None` for all of it.
     #[serde(default)]
@@ -110,8 +111,8 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// The recipe as one line of text. `read_outside`, `weld_tolerance`, `inward` and `shell_thickness` are left out if they have
-    /// their default values.
+    /// The recipe as one line of text. `read_outside`, `weld_tolerance`, `inward` and `shell_thickness` are left out if
+    /// they have their default values.
     pub fn to_text(&self) -> String {
         let BakeSettings {
             faces,

@@ -1,10 +1,11 @@
 //! Reader for STL, binary and text; writer of binary STL.
 //!
 //! Why not the `stl_io` crate (0.11): it is careful about memory, but takes a binary file for text if its header begins
-//! with `solid ` and all bytes up to the first line feed are UTF-8, as in a header with a line feed of its own. Of a text
-//! with several solids it reads only the first. It rejects text in capitals, text that begins with a bare `solid`, and in
-//! text NaN normals, which exporters write for slivers and which nobody needs. In binary files it lets coordinates pass
-//! that are not finite. Its errors have no line numbers. `tests/asset/other_readers.rs` compares the two.
+//! with `solid ` and all bytes up to the first line feed are UTF-8, as in a header with a line feed of its own. Of a
+//! text with several solids it reads only the first. It rejects text in capitals, text that begins with a bare `solid`,
+//! and in text NaN normals, which exporters write for slivers and which nobody needs. In binary files it lets
+//! coordinates pass that are not finite. Its errors have no line numbers. `tests/asset/other_readers.rs` compares the
+//! two.
 
 use super::import_error::ImportError;
 use super::text::{number, shown, without_byte_order_mark, words};
@@ -27,8 +28,8 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, 
     }
 }
 
-/// Writes a mesh as a binary STL file: all its faces, also those of zero area, in the order of their ids, wound as they are. STL has
-/// no list of vertices: vertices at the same place are one when it is read, and unused ones are gone.
+/// Writes a mesh as a binary STL file: all its faces, also those of zero area, in the order of their ids, wound as they
+/// are. STL has no list of vertices: vertices at the same place are one when it is read, and unused ones are gone.
 pub fn to_stl(mesh: &TriMesh) -> Vec<u8> {
     let faces = mesh.all_faces();
     let mut out = vec![0; PREFIX - 4];

@@ -4,8 +4,8 @@ use super::collision_mesh::BakedMesh;
 use crate::geometry::{DefectKind, Defects, MassBasis, Orientation};
 
 impl BakedMesh {
-    /// Warnings for the author of the mesh, one sentence each: dropped and turned faces, an open surface, and the like. Empty
-    /// for a sound mesh. Code that loads a mesh should log them once, with the name of the file.
+    /// Warnings for the author of the mesh, one sentence each: dropped and turned faces, an open surface, and the like.
+    /// Empty for a sound mesh. Code that loads a mesh should log them once, with the name of the file.
     pub fn warnings(&self) -> Vec<String> {
         let defects = self.mesh.defects();
         let mut warnings = Vec::new();

@@ -181,10 +181,11 @@ fn fill_still(grid: &mut Grid, members: &[u32], bodies: &Bodies) {
     }
 }
 
-/// Whether the moving bodies of a level search a level of others that do not move. If not, these search the moving ones.
+/// Whether the moving bodies of a level search a level of others that do not move. If not, these search the moving
+/// ones.
 ///
-/// Bodies search their own and coarser levels, of which their spheres overlap few cells. A few moving bodies among many finer
-/// ones search these too: one fast body must not make each static one search.
+/// Bodies search their own and coarser levels, of which their spheres overlap few cells. A few moving bodies among many
+/// finer ones search these too: one fast body must not make each static one search.
 fn moving_ones_search(moving: &Level, still: &Level, most: MostPairs) -> bool {
     if still.number >= moving.number {
         return true;
@@ -207,8 +208,8 @@ fn still_tasks(still: &Grid, moving: &Grid, most: MostPairs) -> usize {
     }
 }
 
-/// Searches the grids of moving, of static, of changed static and of dormant bodies, and returns the number of pairs, or a number
-/// above the limit.
+/// Searches the grids of moving, of static, of changed static and of dormant bodies, and returns the number of pairs,
+/// or a number above the limit.
 fn search(
     bodies: &Bodies,
     [moving, fixed, loose, dormant]: [&Grid; 4],
@@ -323,8 +324,8 @@ impl Finder {
         self.found.len() > self.most.in_all
     }
 
-    /// Finds the pairs of the moving bodies in `range`, in grid order, with moving bodies of coarser levels, and with later ones of
-    /// their own level.
+    /// Finds the pairs of the moving bodies in `range`, in grid order, with moving bodies of coarser levels, and with
+    /// later ones of their own level.
     fn moving_pairs(&mut self, moving_grid: &Grid, range: Range<usize>, bodies: &Bodies) {
         for (at, own) in moving_grid.levels.iter().enumerate() {
             let some = own.part_of(&range);

@@ -75,9 +75,9 @@ impl BodySweeps {
         }
     }
 
-    /// Merges two groups of continuous bodies, which move together from `time` on. Two groups of the same size get the mean
-    /// of their velocities, weighted by mass. Otherwise the smaller group adopts the velocity of the larger one, so that in
-    /// a heap the times of all members need not be recomputed for each body that joins.
+    /// Merges two groups of continuous bodies, which move together from `time` on. Two groups of the same size get the
+    /// mean of their velocities, weighted by mass. Otherwise the smaller group adopts the velocity of the larger one,
+    /// so that in a heap the times of all members need not be recomputed for each body that joins.
     pub fn merge_groups(&mut self, ground: &Ground<impl Fn([u32; 2]) -> bool>, groups: [u32; 2], time: f64) {
         self.group.clear();
         for name in groups {

@@ -101,18 +101,18 @@ const MAX_HALVINGS: u32 = 12;
 ///   body that is carried by one body and collides with another that carries is squeezed. It continues with the one
 ///   that yields less: static before kinematic before dynamic. It may then overlap the other one.
 ///
-/// A body that `touches` another at the start, with the normal that leads from the first to the second, slides along it at the
-/// first impacts, and is carried after these: it is pressed against that body, and carried round by one that rotates it
-/// would keep a velocity that it does not follow.
+/// A body that `touches` another at the start, with the normal that leads from the first to the second, slides along it
+/// at the first impacts, and is carried after these: it is pressed against that body, and carried round by one that
+/// rotates it would keep a velocity that it does not follow.
 ///
 /// For pairs that start nearer than `target_distance` that distance is halved, up to 12 times. Pairs that start nearer
 /// than the smallest, or overlap, collide at once. `sweeps` and `continuous` have an entry for each of `bodies`;
 /// missing entries count as not continuous. Only sweeps of bodies in `pairs` matter. Pairs are pairs of colliders, and
-/// bodies have the numbers of their first ones. `pairs` must include all pairs whose bounding spheres overlap anywhere on
-/// their paths. `target_distance` is how near each pair may come, metres. Bodies that are carried keep to their
-/// [`LockedAxes`](crate::types::body::LockedAxes), and are not carried into `planes`, except into those that they `pass`:
-/// these are numbered after the bodies. Runs on rayon's current thread pool, outside of a pool on the calling thread; the
-/// same input gives the same bits with any number of threads.
+/// bodies have the numbers of their first ones. `pairs` must include all pairs whose bounding spheres overlap anywhere
+/// on their paths. `target_distance` is how near each pair may come, metres. Bodies that are carried keep to their
+/// [`LockedAxes`](crate::types::body::LockedAxes), and are not carried into `planes`, except into those that they
+/// `pass`: these are numbered after the bodies. Runs on rayon's current thread pool, outside of a pool on the calling
+/// thread; the same input gives the same bits with any number of threads.
 ///
 /// Guarantee: no pair with a continuous body comes nearer than `target_distance`, except pairs whose bodies are
 /// squeezed or have `LockedAxes`. Limit: sweeps are straight, so a body that a contact deflects within the collision

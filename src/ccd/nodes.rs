@@ -58,8 +58,8 @@ pub struct NodePlacer<S: Simd> {
 }
 
 impl<S: Simd> NodePlacer<S> {
-    /// For the first body or the second. `scale`, `offset` and the `radius` of the bounding sphere are in the pair's unit of
-    /// length.
+    /// For the first body or the second. `scale`, `offset` and the `radius` of the bounding sphere are in the pair's
+    /// unit of length.
     #[inline(always)]
     pub fn new(simd: S, side: usize, scale: Vec3, offset: Vec3, radius: f32, relative: &Rounded) -> Self {
         let rotation = if side == 0 { relative.back } else { relative.rotation };

@@ -121,8 +121,8 @@ pub(crate) fn solve(
     solver.solve_each(bodies, manifolds, warm, &config.solver, config.gravity, pace_of);
 }
 
-/// Puts islands to sleep that have been at rest for long enough, after a collision substep. Bodies that woke in it become
-/// active.
+/// Puts islands to sleep that have been at rest for long enough, after a collision substep. Bodies that woke in it
+/// become active.
 pub(crate) fn fall_asleep(
     settings: &SolverSettings,
     colliders: &Bodies,

@@ -1,5 +1,5 @@
-//! ForceScan on the GPU. For impulses each pair has two entries, which are sorted by collider; one thread per collider sums
-//! its impulses. Integrate adds those of the colliders of a compound. Touches are recorded by one thread per pair.
+//! ForceScan on the GPU. For impulses each pair has two entries, which are sorted by collider; one thread per collider
+//! sums its impulses. Integrate adds those of the colliders of a compound. Touches are recorded by one thread per pair.
 
 use super::impulse;
 use crate::broad_phase::gpu::SORT;

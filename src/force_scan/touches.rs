@@ -64,7 +64,8 @@ impl Touches {
         }
     }
 
-    /// Puts back the touches of bodies that slept in the first collision substep, as [`Touches::report`] has reported them.
+    /// Puts back the touches of bodies that slept in the first collision substep, as [`Touches::report`] has reported
+    /// them.
     pub fn put_back(&mut self, contacts: &Contacts, first_plane: u32) {
         let pairs = contacts
             .pairs

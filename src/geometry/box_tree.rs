@@ -7,8 +7,8 @@ use glam::Vec3;
 /// Children per node, and items per leaf.
 const WIDTH: usize = 8;
 
-/// A box hierarchy over items: boxes around runs of eight items, then around runs of eight such boxes, and so on. It is correct
-/// for any order of the items, and fast if neighbours in the list are neighbours in space.
+/// A box hierarchy over items: boxes around runs of eight items, then around runs of eight such boxes, and so on. It is
+/// correct for any order of the items, and fast if neighbours in the list are neighbours in space.
 pub struct BoxTree {
     count: usize,
     /// The items in the order of the tree, unless that is their own.
@@ -18,8 +18,8 @@ pub struct BoxTree {
 }
 
 impl BoxTree {
-    /// A tree over items that may come in any order, by their middles and a function that gives the box of each. There must be at
-    /// least one.
+    /// A tree over items that may come in any order, by their middles and a function that gives the box of each. There
+    /// must be at least one.
     pub fn of_scattered(middles: &[Vec3], around: impl Fn(usize) -> Aabb) -> Self {
         let order = compact_order(middles);
         let tree = Self::new(order.iter().map(|&item| around(item as usize)));

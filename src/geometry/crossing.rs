@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 /// Sign of the crossing of a triangle by the ray from the origin along +z, if it crosses: 1 if the corners are
-/// counter-clockwise seen from above. A ray through an edge or corner is shifted by an infinitesimal step, the same for all
-/// triangles, so exactly one of two neighbours counts it.
+/// counter-clockwise seen from above. A ray through an edge or corner is shifted by an infinitesimal step, the same for
+/// all triangles, so exactly one of two neighbours counts it.
 pub(crate) fn crossing(t: &[DVec3; 3]) -> Option<i32> {
     let left = |p: DVec3, q: DVec3| {
         // Exactly antisymmetric in p and q, ties included, so both triangles of an edge agree.

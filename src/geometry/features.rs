@@ -37,8 +37,8 @@ const NARROW: f64 = 1.5;
 ///
 /// Connectivity is that of [`TriMesh`], on welded vertices. Each vertex and each edge is owned by the first triangle
 /// that has it, so a loop over pairs of triangles visits each pair of features once. Triangles with two corners on one
-/// vertex are collapsed: they own nothing and are not neighbours across any edge. Neither do those that count once with another one
-/// that has the same corners.
+/// vertex are collapsed: they own nothing and are not neighbours across any edge. Neither do those that count once with
+/// another one that has the same corners.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFeatures {
     /// Vertex positions in mesh space, in the order in which the mesh's triangles first use them.
@@ -54,14 +54,15 @@ pub struct MeshFeatures {
     /// edge have no owner: those of more than two triangles and, between one-sided triangles, those that are flat or
     /// concave.
     pub owned: Vec<u32>,
-    /// For each edge, the triangle on the other side from its owner; [`NONE`] at a boundary edge, and beside a sliver that
-    /// keeps the mesh closed.
+    /// For each edge, the triangle on the other side from its owner; [`NONE`] at a boundary edge, and beside a sliver
+    /// that keeps the mesh closed.
     pub across: Vec<u32>,
     /// For each triangle, the largest rotation of a contact normal away from the triangle's own at an edge that it
     /// owns, radians. It is 0 if the triangle owns no edge, and at most [`ANY_NORMAL`], which allows any normal.
     pub edge_normal_rotations: Vec<f32>,
-    /// For each triangle, the largest angle between its normal and the way to a point of another mesh to which it is nearest
-    /// at a vertex or edge that it owns, radians; at most [`ANY_NORMAL`], which allows any. Two-sided triangles have that.
+    /// For each triangle, the largest angle between its normal and the way to a point of another mesh to which it is
+    /// nearest at a vertex or edge that it owns, radians; at most [`ANY_NORMAL`], which allows any. Two-sided triangles
+    /// have that.
     pub nearest_rotations: Vec<f32>,
     /// For each triangle, the smallest radius of curvature of the surface at its edges, mesh units. It is 0 beside a
     /// crease or a boundary edge, and infinite if all edges are flat or concave.
@@ -125,8 +126,8 @@ impl MeshFeatures {
         &self.neighbors[at(vertex)..at(vertex + 1)]
     }
 
-    /// Notes triangles that own nothing because another one has the same corners. Else no edge of a surface that is there twice
-    /// could touch another edge: each has four triangles.
+    /// Notes triangles that own nothing because another one has the same corners. Else no edge of a surface that is
+    /// there twice could touch another edge: each has four triangles.
     fn add_twins(&mut self, mesh: &TriMesh) {
         let twins = mesh.twins();
         if !twins.is_empty() {
@@ -286,7 +287,8 @@ impl MeshFeatures {
         self.edge_normal_rotations = (0..self.triangles.len()).map(turn).collect();
     }
 
-    /// A point whose nearest point of a solid is a vertex lies in a direction between the normals of the vertex's faces.
+    /// A point whose nearest point of a solid is a vertex lies in a direction between the normals of the vertex's
+    /// faces.
     fn add_nearest_rotations(&mut self) {
         let mut owner_of = vec![NONE; self.vertices.len()];
         let mut is_round = vec![true; self.vertices.len()];

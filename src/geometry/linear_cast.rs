@@ -1,9 +1,9 @@
-//! The first touch of a triangle and of something that moves along a line without turning, in double precision and closed
-//! form. Both are apart at the start.
+//! The first touch of a triangle and of something that moves along a line without turning, in double precision and
+//! closed form. Both are apart at the start.
 //!
-//! Two triangles first touch at a corner of one and the face of the other, or at an edge of each. A triangle and a segment
-//! with a radius first touch where the line meets one of the pieces of their Minkowski difference: faces moved outwards by
-//! the radius, cylinders about edges, and spheres about corners.
+//! Two triangles first touch at a corner of one and the face of the other, or at an edge of each. A triangle and a
+//! segment with a radius first touch where the line meets one of the pieces of their Minkowski difference: faces moved
+//! outwards by the radius, cylinders about edges, and spheres about corners.
 
 use glam::DVec3;
 
@@ -78,8 +78,8 @@ impl<T> First<T> {
     }
 }
 
-/// Distance and barycentric coordinates at which the line from the origin along `way` meets a triangle; `None` also for a
-/// line in its plane. The distance is in units of the length of `way`, and may be negative.
+/// Distance and barycentric coordinates at which the line from the origin along `way` meets a triangle; `None` also for
+/// a line in its plane. The distance is in units of the length of `way`, and may be negative.
 pub fn line_meets(way: DVec3, [a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3])> {
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
@@ -93,8 +93,8 @@ pub fn line_meets(way: DVec3, [a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3])> 
     inside.then(|| (a.dot(normal) / slope, [1.0 - v - w, v, w]))
 }
 
-/// The first touch of triangle `a` and triangle `b`, which moves along the unit vector `way`. Triangles in one plane that
-/// move along it do not touch.
+/// The first touch of triangle `a` and triangle `b`, which moves along the unit vector `way`. Triangles in one plane
+/// that move along it do not touch.
 pub fn triangles(a: &[DVec3; 3], b: &[DVec3; 3], way: DVec3) -> Option<Touch> {
     let mut first = Pieces::new(way, a, b);
     let [face_a, face_b] = [a, b].map(|t| against(way, (t[1] - t[0]).cross(t[2] - t[0])));
@@ -112,8 +112,8 @@ pub fn triangles(a: &[DVec3; 3], b: &[DVec3; 3], way: DVec3) -> Option<Touch> {
     first.touches.found().map(|(touch, ())| touch)
 }
 
-/// The first touch of a triangle and of the points within `radius` of a segment that moves along the unit vector `way`. The
-/// ends of the segment may be equal.
+/// The first touch of a triangle and of the points within `radius` of a segment that moves along the unit vector `way`.
+/// The ends of the segment may be equal.
 pub fn round(triangle: &[DVec3; 3], ends: [DVec3; 2], radius: f64, way: DVec3) -> Option<Touch> {
     let mut first = Pieces::new(way, triangle, &ends);
     let [p, q] = ends;

@@ -166,15 +166,16 @@ impl TriMesh {
 
     /// A copy of the mesh with the winding of each shell made consistent, and with the faces of solids outward.
     ///
-    /// A *shell* is a set of faces that hang together across edges of two faces each. Edges are those of the welded mesh.
+    /// A *shell* is a set of faces that hang together across edges of two faces each. Edges are those of the welded
+    /// mesh.
     ///
-    /// * If neighbouring faces of a shell disagree, some are turned. Those of a closed shell then point outward, as do those of an
-    ///   open one that encloses something; if the shell is closed and lies inside another closed one, it becomes a cavity of
-    ///   that. Of a sheet the smaller part of its area is turned.
-    /// * A closed shell outside all others that points inward is turned, and what lies inside it with it. But if all such
-    ///   shells point inward, as they came, the mesh is a room, and none is turned.
-    /// * A shell inside another stays as it is: wound oppositely it is a cavity, wound alike a solid inside a solid; see
-    ///   [`DefectKind::SolidInSolid`].
+    /// * If neighbouring faces of a shell disagree, some are turned. Those of a closed shell then point outward, as do
+    ///   those of an open one that encloses something; if the shell is closed and lies inside another closed one, it
+    ///   becomes a cavity of that. Of a sheet the smaller part of its area is turned.
+    /// * A closed shell outside all others that points inward is turned, and what lies inside it with it. But if all
+    ///   such shells point inward, as they came, the mesh is a room, and none is turned.
+    /// * A shell inside another stays as it is: wound oppositely it is a cavity, wound alike a solid inside a solid;
+    ///   see [`DefectKind::SolidInSolid`].
     /// * A shell that has no consistent winding, like a Möbius strip, stays as it is.
     pub fn oriented(self) -> Self {
         // One closed surface is a solid or a room as it is.
@@ -277,8 +278,8 @@ impl TriMesh {
         black_box(self.face_ids[t]);
     }
 
-    /// The corner positions of a face of the input, by its index there, in their order there. `None` if there is none, or it
-    /// has no area. Looks at all triangles.
+    /// The corner positions of a face of the input, by its index there, in their order there. `None` if there is none,
+    /// or it has no area. Looks at all triangles.
     pub fn input_face(&self, face: u32) -> Option<[Vec3; 3]> {
         let t = self.face_ids.iter().position(|&id| id == face)?;
         let [a, b, c] = self.corners(t);
@@ -332,8 +333,8 @@ impl TriMesh {
         self.topology.orientation != Orientation::Open
     }
 
-    /// Whether the enclosed volume is solid, so that another body can lie wholly inside. This holds for a mesh that is closed
-    /// or nearly so, unless it is a room ([`Orientation::Inward`]).
+    /// Whether the enclosed volume is solid, so that another body can lie wholly inside. This holds for a mesh that is
+    /// closed or nearly so, unless it is a room ([`Orientation::Inward`]).
     pub fn is_solid(&self) -> bool {
         match self.topology.orientation {
             Orientation::Outward | Orientation::Mixed => true,
@@ -347,33 +348,36 @@ impl TriMesh {
         self.topology.orientation == Orientation::Inward || self.topology.closed_by_caps() == Some(Orientation::Inward)
     }
 
-    /// Triangles that close a *nearly closed* mesh; none for other meshes. They have no number: nothing collides with them.
+    /// Triangles that close a *nearly closed* mesh; none for other meshes. They have no number: nothing collides with
+    /// them.
     ///
-    /// A mesh is nearly closed if its winding is consistent, its largest opening takes at most [`MAX_OPENING`] of its area, and
-    /// all together take at most a fifth. Mass and containment are those of the mesh with its caps, so that a crack or a missing face changes neither.
-    /// Openings through which something could fall, as that of a box without a lid, get no caps.
+    /// A mesh is nearly closed if its winding is consistent, its largest opening takes at most [`MAX_OPENING`] of its
+    /// area, and all together take at most a fifth. Mass and containment are those of the mesh with its caps, so that a
+    /// crack or a missing face changes neither. Openings through which something could fall, as that of a box without a
+    /// lid, get no caps.
     ///
-    /// If faces are there twice, and the mesh is closed or nearly so without them, they count once: each has its reverse among the
-    /// caps.
+    /// If faces are there twice, and the mesh is closed or nearly so without them, they count once: each has its
+    /// reverse among the caps.
     ///
     /// [`MAX_OPENING`]: crate::geometry::MAX_OPENING
     pub fn caps(&self) -> &[[Vec3; 3]] {
         &self.topology.caps
     }
 
-    /// The vertices of triangles without area that close the mesh: dropped faces, and those of the caps that close T-junctions.
+    /// The vertices of triangles without area that close the mesh: dropped faces, and those of the caps that close
+    /// T-junctions.
     pub(crate) fn slivers(&self) -> impl Iterator<Item = &[u32; 3]> {
         self.dropped.iter().chain(&self.topology.slivers)
     }
 
-    /// The triangles that do not count for what the mesh encloses, because another one has the same corners; and those others. They
-    /// collide. None if the mesh is open without them.
+    /// The triangles that do not count for what the mesh encloses, because another one has the same corners; and those
+    /// others. They collide. None if the mesh is open without them.
     pub(crate) fn twins(&self) -> Vec<[usize; 2]> {
         self.faces().twin_triangles()
     }
 
-    /// What closes an open mesh of consistent winding, however large its openings are; `None` for other meshes. Computed at every
-    /// call.
+    /// What closes an open mesh of consistent winding, however large its openings are; `None` for other meshes.
+    /// Computed at every call.
     pub(super) fn closure(&self) -> Option<Closure> {
         self.faces().closure(&self.topology)
     }

@@ -1,5 +1,5 @@
-//! Slivers: faces of zero area, which are no triangles of a mesh but keep it closed. They fill T-junctions, where the edge
-//! of one triangle lies along the edges of several others.
+//! Slivers: faces of zero area, which are no triangles of a mesh but keep it closed. They fill T-junctions, where the
+//! edge of one triangle lies along the edges of several others.
 
 use super::union_find::UnionFind;
 use std::collections::HashMap;

@@ -1,9 +1,9 @@
 //! The generalised winding number: how far inside a surface a point is, even if the surface is open.
 //!
-//! It is the sum of the solid angles under which the point sees the triangles, in units of the full sphere (Jacobson, Kavan
-//! and Sorkine-Hornung, "Robust Inside-Outside Segmentation using Generalized Winding Numbers", 2013). Inside a closed surface
-//! whose faces point outward it is 1, outside 0; near an opening it lies between. Far triangles are summed up as one dipole
-//! (Barill and others, "Fast Winding Numbers for Soups and Clouds", 2018).
+//! It is the sum of the solid angles under which the point sees the triangles, in units of the full sphere (Jacobson,
+//! Kavan and Sorkine-Hornung, "Robust Inside-Outside Segmentation using Generalized Winding Numbers", 2013). Inside a
+//! closed surface whose faces point outward it is 1, outside 0; near an opening it lies between. Far triangles are
+//! summed up as one dipole (Barill and others, "Fast Winding Numbers for Soups and Clouds", 2018).
 
 use crate::geometry::TriMesh;
 use glam::{DVec2, DVec3};
@@ -77,8 +77,8 @@ impl Winding {
         }
     }
 
-    /// The winding number of a point, without the triangle `except`: seen from its own middle, a triangle adds a half on one
-    /// side and takes a half away on the other.
+    /// The winding number of a point, without the triangle `except`: seen from its own middle, a triangle adds a half
+    /// on one side and takes a half away on the other.
     pub fn number(&self, p: DVec3, except: Option<usize>) -> f64 {
         let (mut sum, mut near, mut work) = (0.0, Turn::default(), 0);
         let mut waiting = vec![(self.levels.len() - 1, 0)];
@@ -132,8 +132,8 @@ impl Node {
     }
 }
 
-/// A vector whose angle from the x axis is half the signed solid angle of a triangle seen from the origin, positive if the
-/// origin is behind it (Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", 1983).
+/// A vector whose angle from the x axis is half the signed solid angle of a triangle seen from the origin, positive if
+/// the origin is behind it (Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", 1983).
 fn half_solid_angle([a, b, c]: [DVec3; 3]) -> DVec2 {
     let (x, y, z) = (a.length(), b.length(), c.length());
     DVec2::new(
@@ -142,8 +142,8 @@ fn half_solid_angle([a, b, c]: [DVec3; 3]) -> DVec2 {
     )
 }
 
-/// A sum of angles, each that of a vector from the x axis. It turns one vector by the others, and so needs one arc tangent in
-/// all.
+/// A sum of angles, each that of a vector from the x axis. It turns one vector by the others, and so needs one arc
+/// tangent in all.
 struct Turn {
     vector: DVec2,
     /// Full turns, which the vector does not show.

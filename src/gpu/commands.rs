@@ -77,8 +77,8 @@ impl<'g> Commands<'g> {
         self.work.uploaded_bytes
     }
 
-    /// Submits what is recorded so far, waits for it, and returns these ranges of buffers, one after the other. Commands
-    /// can be recorded from then on as before.
+    /// Submits what is recorded so far, waits for it, and returns these ranges of buffers, one after the other.
+    /// Commands can be recorded from then on as before.
     ///
     /// # Errors
     /// If the device is lost or refuses a call.

@@ -101,9 +101,9 @@ pub enum NoGpu {
     },
 }
 
-/// Opens the best adapter: discrete before integrated before virtual. If it cannot run the stages or gives no device, the
-/// next one is tried. Adapters that compute on the CPU are used only if `software` is true. Compiled kernels are kept where
-/// `kernels` says.
+/// Opens the best adapter: discrete before integrated before virtual. If it cannot run the stages or gives no device,
+/// the next one is tried. Adapters that compute on the CPU are used only if `software` is true. Compiled kernels are
+/// kept where `kernels` says.
 ///
 /// # Errors
 /// If no adapter can run the stages: why the best one cannot.

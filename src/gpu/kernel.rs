@@ -19,8 +19,8 @@ pub struct Kernel {
     /// The WGSL source.
     pub source: &'static str,
     /// What is defined for the preprocessor. Lists of unknown length are counted by a kernel, and written by the same
-    /// kernel with `EMIT`. With `LARGE` it has large workgroups, and with `PIECES` one for each piece of a pair of large
-    /// meshes. Several names are separated by spaces.
+    /// kernel with `EMIT`. With `LARGE` it has large workgroups, and with `PIECES` one for each piece of a pair of
+    /// large meshes. Several names are separated by spaces.
     pub define: Option<&'static str>,
 }
 

@@ -442,9 +442,9 @@ constants! {
     u32 ASLEEP = 27;
     /// Number of sphere pairs in any collision substep.
     u32 MAX_SPHERE_PAIRS = 28;
-    // Maxima over all bodies that are neither static nor `FAST`, after the step, m/s: of the velocity along each axis, of the negated
-    // velocity, and of the surface speed relative to the centre of mass. The values are integers in the order of the
-    // floats (`ascending`); 0 stands for none.
+    // Maxima over all bodies that are neither static nor `FAST`, after the step, m/s: of the velocity along each axis,
+    // of the negated velocity, and of the surface speed relative to the centre of mass. The values are integers in the
+    // order of the floats (`ascending`); 0 stands for none.
     u32 MAX_VELOCITY = 29;
     u32 MAX_NEGATED_VELOCITY = 32;
     u32 MAX_SPIN = 35;

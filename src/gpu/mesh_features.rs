@@ -10,9 +10,9 @@ use glam::Vec3;
 /// ends, and of the vertex normals, each with the roundness.
 pub const HEADER: usize = 8;
 
-/// Number of words per triangle: vertices; edges; the triangles across the edges that it owns; normal; what it owns, whether it
-/// is one-sided, and the largest rotations of normals at its edges and of ways to nearest points; radius of curvature; number
-/// in the source mesh; lower bound of the curvature.
+/// Number of words per triangle: vertices; edges; the triangles across the edges that it owns; normal; what it owns,
+/// whether it is one-sided, and the largest rotations of normals at its edges and of ways to nearest points; radius of
+/// curvature; number in the source mesh; lower bound of the curvature.
 pub const RECORD: usize = 16;
 
 /// Number of words per vertex of its normal and roundness: the normal; the radii of curvature of a surface, or the

@@ -1,7 +1,7 @@
 //! Compiled kernels on disk: wgpu's [`PipelineCache`] in a file.
 //!
-//! A file begins with the BLAKE3 digest of the rest. The rest begins with wgpu's header, which tells the adapter and the
-//! version of its driver.
+//! A file begins with the BLAKE3 digest of the rest. The rest begins with wgpu's header, which tells the adapter and
+//! the version of its driver.
 
 use super::device::Gpu;
 use super::readback::scoped;

@@ -1,5 +1,5 @@
-//! Stable radix sort of words with values, eight bits at a time. One workgroup sorts a short list alone, in one dispatch.
-//! A long one takes three or five per digit: count the digits per block, scan the counts, move.
+//! Stable radix sort of words with values, eight bits at a time. One workgroup sorts a short list alone, in one
+//! dispatch. A long one takes three or five per digit: count the digits per block, scan the counts, move.
 
 use super::kernel::{Kernel, kernel};
 use super::program::{Calls, Groups};

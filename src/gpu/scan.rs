@@ -1,6 +1,6 @@
-//! Exclusive scan of words on the device. One workgroup scans a short list alone, in one dispatch. A long one takes three:
-//! sums of blocks, scan of the sums, application. There is no look-back, because WGSL does not guarantee progress
-//! between workgroups.
+//! Exclusive scan of words on the device. One workgroup scans a short list alone, in one dispatch. A long one takes
+//! three: sums of blocks, scan of the sums, application. There is no look-back, because WGSL does not guarantee
+//! progress between workgroups.
 
 use super::kernel::{Kernel, kernel};
 use super::program::{Calls, Groups};

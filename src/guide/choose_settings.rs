@@ -1,12 +1,13 @@
 //! Which settings suit which program, a first program with a window, and what works with which response.
 //!
-//! The defaults suit a game with bodies that fall, slide, stack and roll, but for one: [`Backend::Auto`] takes the GPU if there is
-//! one. With a few to some hundred bodies [`Backend::Cpu`] is faster, so set it there. Change other settings if your program is
-//! one of these.
+//! The defaults suit a game with bodies that fall, slide, stack and roll, but for one: [`Backend::Auto`] takes the GPU
+//! if there is one. With a few to some hundred bodies [`Backend::Cpu`] is faster, so set it there. Change other
+//! settings if your program is one of these.
 //!
 //! # A few bodies that matter
 //!
-//! A marble run, a vehicle made of parts, a puzzle of interlocking pieces. Run the stages on the CPU, and draw between steps:
+//! A marble run, a vehicle made of parts, a puzzle of interlocking pieces. Run the stages on the CPU, and draw between
+//! steps:
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -36,8 +37,8 @@
 //!
 //! # A game in a window
 //!
-//! The example `first_game` is complete: `cargo run --release --features window --example first_game`. In a game of your own, put this
-//! into `Cargo.toml`:
+//! The example `first_game` is complete: `cargo run --release --features window --example first_game`. In a game of
+//! your own, put this into `Cargo.toml`:
 //!
 //! ```toml
 //! [dependencies]
@@ -49,8 +50,8 @@
 //! opt-level = 3
 //! ```
 //!
-//! With thousands of bodies add the feature `bevy_render` and leave out `backend: Backend::Cpu`: then the stages run on the GPU, on
-//! the device of Bevy's renderer.
+//! With thousands of bodies add the feature `bevy_render` and leave out `backend: Backend::Cpu`: then the stages run on
+//! the GPU, on the device of Bevy's renderer.
 //!
 #![doc = concat!("```text\n", include_str!("../../examples/first_game.rs"), "```")]
 //!
@@ -61,8 +62,8 @@
 //!
 //! # Where to put systems
 //!
-//! The step runs in `FixedPostUpdate`, in the system set [`FaceoffStep`], 64 times a second by default. A frame may have no step,
-//! one or several.
+//! The step runs in `FixedPostUpdate`, in the system set [`FaceoffStep`], 64 times a second by default. A frame may
+//! have no step, one or several.
 //!
 //! | a system that | schedule |
 //! |---|---|
@@ -73,8 +74,8 @@
 //! | is a solver of your own, or uses results within the step | [`FaceoffStep`] as a schedule, in the set [`FaceoffSystems::Respond`] |
 //! | spawns bodies, moves a camera, shows figures | `Update`, or any other |
 //!
-//! Observers of [`CollisionStart`] and `CollisionEnd` run at the end of the step. With [`Readback::Latent`] all results come two
-//! steps later.
+//! Observers of [`CollisionStart`] and `CollisionEnd` run at the end of the step. With [`Readback::Latent`] all results
+//! come two steps later.
 //!
 //! # What works with which response
 //!
@@ -101,8 +102,8 @@
 //!
 //! * Let them sleep. [`SleepingDisabled`] keeps a body awake, and with it all that it touches.
 //! * On the CPU, where more than 64 bodies sleep, those with nothing awake near are dormant and cost a step nothing:
-//!   [`StepReport::dormant`] counts them. What rests on a kinematic body, bodies of several colliders, bodies under other
-//!   entities, and all bodies of a world with collision hooks are not among them.
+//!   [`StepReport::dormant`] counts them. What rests on a kinematic body, bodies of several colliders, bodies under
+//!   other entities, and all bodies of a world with collision hooks are not among them.
 //! * Give small bodies coarse meshes. The mesh that is drawn may be a finer one.
 //! * Let rubble not collide with what does not matter: [`CollisionLayers`](crate::types::body::CollisionLayers).
 //! * Look at [`StepReport`](crate::plugin::collisions::StepReport) before you change anything else. If
@@ -159,13 +160,14 @@
 //! # The same bits
 //!
 //! Lockstep, rollback and replays need two runs that stay equal to the last bit: bodies that collide make the smallest
-//! difference grow. [`Snapshot`] takes the state and restores it, and the example `rollback` repeats 8 steps in every step.
+//! difference grow. [`Snapshot`] takes the state and restores it, and the example `rollback` repeats 8 steps in every
+//! step.
 //!
 //! **On one machine** two runs are equal if all of this is the same:
 //!
 //! * The executable, and [`Backend::Cpu`]. Results of a GPU are not those of the CPU.
-//! * The order of bodies. Give every collider and plane a [`StableKey`]: then entities do not matter, nor in which order bodies
-//!   are spawned. Without keys the entities must be the same.
+//! * The order of bodies. Give every collider and plane a [`StableKey`]: then entities do not matter, nor in which
+//!   order bodies are spawned. Without keys the entities must be the same.
 //! * Meshes, components, settings, and what systems write, before the same step.
 //! * The length of the steps. Bevy's fixed timestep is constant; `run_schedule(FaceoffStep)` has the same length.
 //!
@@ -174,25 +176,25 @@
 //!
 //! **On two machines** all of this holds as well, and further:
 //!
-//! * The same target, for example `x86_64-unknown-linux-gnu`, and the same compiler with the same options. `-C target-cpu` and
-//!   `-C target-feature` change how vectors are computed, and so does another architecture.
-//! * The same library of mathematical functions. A step calls `exp` (damping, choice of contact points) and, for rotations,
-//!   `sin`, `cos` and the arc functions of Rust's standard library. The library takes them from the operating system. On Linux
-//!   that is glibc, and the results of its versions may differ in the last bit. A statically linked program, for example for
-//!   `x86_64-unknown-linux-musl`, contains these functions. The rest of a step uses basic operations and square roots, which IEEE
-//!   754 defines to the bit.
+//! * The same target, for example `x86_64-unknown-linux-gnu`, and the same compiler with the same options. `-C
+//!   target-cpu` and `-C target-feature` change how vectors are computed, and so does another architecture.
+//! * The same library of mathematical functions. A step calls `exp` (damping, choice of contact points) and, for
+//!   rotations, `sin`, `cos` and the arc functions of Rust's standard library. The library takes them from the
+//!   operating system. On Linux that is glibc, and the results of its versions may differ in the last bit. A statically
+//!   linked program, for example for `x86_64-unknown-linux-musl`, contains these functions. The rest of a step uses
+//!   basic operations and square roots, which IEEE 754 defines to the bit.
 //! * The same meshes, to the bit. Bake them once and ship the `.faceoff` files: a bake calls such functions more often.
 //!
-//! The tests run on one machine at a time, so equality between machines follows from these reasons and is not tested. Compare
-//! a hash of the poses now and then, and send a [`Snapshot`] when they differ.
+//! The tests run on one machine at a time, so equality between machines follows from these reasons and is not tested.
+//! Compare a hash of the poses now and then, and send a [`Snapshot`] when they differ.
 //!
-//! **On a GPU** two runs with [`Readback::Lockstep`] give the same bits if the GPU, the driver and the build are the same. Another
-//! GPU or driver gives other bits. With [`Readback::Latent`] and [`Readback::Resident`] the bits may differ from those of
-//! `Lockstep` after an impact: a step has only one collision substep if the speeds of
+//! **On a GPU** two runs with [`Readback::Lockstep`] give the same bits if the GPU, the driver and the build are the
+//! same. Another GPU or driver gives other bits. With [`Readback::Latent`] and [`Readback::Resident`] the bits may
+//! differ from those of `Lockstep` after an impact: a step has only one collision substep if the speeds of
 //! [`LATENCY`](crate::plugin::settings::LATENCY) steps before do not need more.
 //!
-//! A [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds the same, except where two hits have exactly the same distance:
-//! which of them comes first depends on how bodies were spawned.
+//! A [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds the same, except where two hits have exactly the same
+//! distance: which of them comes first depends on how bodies were spawned.
 //!
 //! # In a browser
 //!

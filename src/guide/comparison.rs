@@ -1,13 +1,14 @@
 //! Compared with Avian 0.7 and bevy_rapier 0.36, which are for the same Bevy, row by row.
 //!
-//! **In short.** Take Avian or bevy_rapier if your game needs joints, exact round and convex shapes by the thousand, two
-//! dimensions, or an engine that many games have used for years. They are ahead in all of these; Avian has double
-//! precision too. Take this plugin where concave meshes move and meet each other, and where it matters which faces touch.
+//! **In short.** Take Avian or bevy_rapier if your game needs joints, exact round and convex shapes by the thousand,
+//! two dimensions, or an engine that many games have used for years. They are ahead in all of these; Avian has double
+//! precision too. Take this plugin where concave meshes move and meet each other, and where it matters which faces
+//! touch.
 //!
 //! What the tables say about the other two was read in the sources of avian3d 0.7.0 with parry3d 0.27.0, and of
 //! bevy_rapier3d 0.36.0, which uses rapier3d 0.35.0-glamx0.2 and parry3d 0.30.2-glamx0.2-b. Links lead to the place in
-//! these sources. "no" means that neither sources nor documentation have it. The last column names what shows the row in
-//! this repository: a file of `tests` without its ending, or a program, as `--example chain`; its command is in
+//! these sources. "no" means that neither sources nor documentation have it. The last column names what shows the row
+//! in this repository: a file of `tests` without its ending, or a program, as `--example chain`; its command is in
 //! `examples/README.md`. [`from_avian`](super::from_avian) and [`from_bevy_rapier`](super::from_bevy_rapier) have the
 //! names of things.
 //!
@@ -108,8 +109,8 @@
 //!
 //! # Speed
 //!
-//! `benches/peers` runs avian3d, rapier3d and parry3d on the same scenes, and [BENCHMARKS.md] has the figures. Concave meshes
-//! are faster here and sink into each other less. Convex parts are faster there: knots in a bin take 2.3 to 3.5
+//! `benches/peers` runs avian3d, rapier3d and parry3d on the same scenes, and [BENCHMARKS.md] has the figures. Concave
+//! meshes are faster here and sink into each other less. Convex parts are faster there: knots in a bin take 2.3 to 3.5
 //! times as long here as with convex parts in rapier3d, and a stack of cubes seven times. These figures are of rapier3d
 //! 0.36.1, which is newer than the one in bevy_rapier 0.36.
 //!

@@ -2,8 +2,8 @@
 //! avian3d 0.7, which is for the same Bevy.
 //!
 //! Stay with Avian if your game needs joints, many kinds of exact round shapes, or two dimensions. Its colliders of
-//! triangles are surfaces that are tested triangle by triangle. Use this plugin where concave meshes move and meet each other.
-//! Or keep Avian, and give it the contacts of this crate between meshes: `crates/avian_faceoff`.
+//! triangles are surfaces that are tested triangle by triangle. Use this plugin where concave meshes move and meet each
+//! other. Or keep Avian, and give it the contacts of this crate between meshes: `crates/avian_faceoff`.
 //!
 //! # Names
 //!
@@ -46,8 +46,8 @@
 //!
 //! * **A closed mesh is solid.** A body wholly inside it touches it, and its mass is that of its volume. What an open
 //!   mesh weighs is told in a warning.
-//! * **Meshes are assets.** They are baked once, at import, and may come late: a body waits for its mesh. `Collider` is a
-//!   component that is ready at once.
+//! * **Meshes are assets.** They are baked once, at import, and may come late: a body waits for its mesh. `Collider` is
+//!   a component that is ready at once.
 //! * **A kinematic body moved by its `Transform` has a velocity**: it pushes and carries. With
 //!   [`Teleport`](crate::plugin::components::Teleport) it does not.
 //! * **`CollisionEnd` waits** 0.1 s, so that rolling and bouncing do not start and end a collision again and again:

@@ -1,5 +1,5 @@
-//! For those who know bevy_rapier: what has another name here, what works differently, and what there is not. Compared with
-//! bevy_rapier3d 0.36, which is for the same Bevy.
+//! For those who know bevy_rapier: what has another name here, what works differently, and what there is not. Compared
+//! with bevy_rapier3d 0.36, which is for the same Bevy.
 //!
 //! Stay with rapier if your game needs joints or convex shapes by the thousand: convex parts are cheaper than
 //! meshes there. Use this plugin where concave meshes move and meet each other.

@@ -1,7 +1,7 @@
 //! How it works: from a mesh file to bodies that rest on each other.
 //!
-//! You need none of this to use the plugin. Read it if you want to know what a setting changes, why something is fast or
-//! slow, or where to add a stage of your own.
+//! You need none of this to use the plugin. Read it if you want to know what a setting changes, why something is fast
+//! or slow, or where to add a stage of your own.
 //!
 //! The method is that of H. A. Aly and T. A. E. Elawady, "A New Narrow Phase Collision Detection Algorithm Using Height
 //! Projection" (EDERC 2010): what depends only on a mesh is computed once, at import, by looking at the mesh from many
@@ -39,8 +39,8 @@
 //!
 //! ## Faces of collision
 //!
-//! The triangles that are still visible in the image are the *faces of collision* of its direction. A body that comes from
-//! there can first be touched by them, and hardly by the others.
+//! The triangles that are still visible in the image are the *faces of collision* of its direction. A body that comes
+//! from there can first be touched by them, and hardly by the others.
 //!
 #![doc = include_str!("pictures/faces.svg")]
 //!
@@ -69,9 +69,9 @@
 //! ## Support heights
 //!
 //! The *support height* of a mesh in a direction is its largest height: how far it reaches that way from its centre of
-//! mass. It is baked for 258 directions. In between it is interpolated within the triangle of three baked
-//! directions. Support heights are convex, so this is never too small. Two bodies whose heights towards each other do not
-//! add up to the distance of their centres do not touch:
+//! mass. It is baked for 258 directions. In between it is interpolated within the triangle of three baked directions.
+//! Support heights are convex, so this is never too small. Two bodies whose heights towards each other do not add up to
+//! the distance of their centres do not touch:
 //!
 #![doc = include_str!("pictures/support.svg")]
 //!
@@ -88,55 +88,56 @@
 //!
 //! # The step
 //!
-//! [`FaceoffStep`](crate::plugin::FaceoffStep) runs in `FixedPostUpdate`. It reads components into plain arrays, runs the
-//! stages, and writes the results back. With [`Response::Contacts`](crate::types::settings::Response) it is divided into 1
-//! to 8 *collision substeps*, and contact points are searched for in each of them. There are as many as it takes that within
-//! one of them no two surfaces move relative to each other by more than a quarter of the thickness of the thinnest body, but
-//! never more than 8. Only bodies that can meet in the step count. Each group of such bodies has its own number of collision
-//! substeps. A body that has completed its step waits for the others and keeps its contact points. On the CPU pairs that
-//! overlap deeply keep their contact points until they have moved twice as far.
+//! [`FaceoffStep`](crate::plugin::FaceoffStep) runs in `FixedPostUpdate`. It reads components into plain arrays, runs
+//! the stages, and writes the results back. With [`Response::Contacts`](crate::types::settings::Response) it is divided
+//! into 1 to 8 *collision substeps*, and contact points are searched for in each of them. There are as many as it takes
+//! that within one of them no two surfaces move relative to each other by more than a quarter of the thickness of the
+//! thinnest body, but never more than 8. Only bodies that can meet in the step count. Each group of such bodies has its
+//! own number of collision substeps. A body that has completed its step waits for the others and keeps its contact
+//! points. On the CPU pairs that overlap deeply keep their contact points until they have moved twice as far.
 //!
 //! ## BroadPhase: a grid
 //!
-//! Which bounding spheres overlap? A hashed grid answers, with a level of cells for each factor of four in the radii (of two
-//! on a GPU). A body looks in its own level and the coarser ones, so one huge body does not make the cells of all others
-//! large. Static bodies have a grid of their own on the CPU, which is sorted again only when one of them changes. If a step
-//! has several collision substeps, the CPU searches once, with spheres that are large enough for the motion of the whole
-//! step. It searches again only if a body leaves its sphere.
+//! Which bounding spheres overlap? A hashed grid answers, with a level of cells for each factor of four in the radii
+//! (of two on a GPU). A body looks in its own level and the coarser ones, so one huge body does not make the cells of
+//! all others large. Static bodies have a grid of their own on the CPU, which is sorted again only when one of them
+//! changes. If a step has several collision substeps, the CPU searches once, with spheres that are large enough for the
+//! motion of the whole step. It searches again only if a body leaves its sphere.
 //!
-//! For contacts, spheres are enlarged so that two of them overlap if the surfaces are within the *speculative margin*: one
-//! percent of the smaller body's size, plus a part for motion. That part is one and a half times the distance by which the
-//! surfaces may approach each other until the next search, but at most twice the thickness of the thinner body. Rotation
-//! counts where the other body may touch: the support heights of the other tell how far from the axis that is.
+//! For contacts, spheres are enlarged so that two of them overlap if the surfaces are within the *speculative margin*:
+//! one percent of the smaller body's size, plus a part for motion. That part is one and a half times the distance by
+//! which the surfaces may approach each other until the next search, but at most twice the thickness of the thinner
+//! body. Rotation counts where the other body may touch: the support heights of the other tell how far from the axis
+//! that is.
 //!
 //! ## Angles: support axes
 //!
 //! Most of these pairs do not touch. A *support axis* is a direction along which the support heights of both bodies are
-//! compared: if they leave a gap, the pair is dropped. The first axis is the line between the centres, which the paper uses to
-//! look up faces. Up to seven more come from Gilbert's iteration on the support heights. Of the pairs of tori that do not touch
-//! nine of ten are dropped here. No pair that touches is dropped.
+//! compared: if they leave a gap, the pair is dropped. The first axis is the line between the centres, which the paper
+//! uses to look up faces. Up to seven more come from Gilbert's iteration on the support heights. Of the pairs of tori
+//! that do not touch nine of ten are dropped here. No pair that touches is dropped.
 //!
-//! With an approximate [`Culling`](crate::types::settings::Culling) the direction from centre to centre also selects the
-//! triangles of each body that take part in the next stage.
+//! With an approximate [`Culling`](crate::types::settings::Culling) the direction from centre to centre also selects
+//! the triangles of each body that take part in the next stage.
 //!
 //! ## TriangleTest: which faces intersect
 //!
-//! The trees of both meshes are descended together. Only boxes that meet are opened, so the cost follows the size
-//! of the contact and not of the meshes. Meshes with few clusters skip the descent: their clusters are culled one by one
+//! The trees of both meshes are descended together. Only boxes that meet are opened, so the cost follows the size of
+//! the contact and not of the meshes. Meshes with few clusters skip the descent: their clusters are culled one by one
 //! against the other body, which is faster. The picture shows two curves of 64 pieces in place of two meshes:
 //!
 #![doc = include_str!("pictures/descent.svg")]
 //!
 //! Triangles whose boxes meet must also cross each other's planes. For what is left the interval test of Möller (1997)
-//! runs on eight pairs at once, in single precision and with a bound on each error. It answers only what is certain. The
-//! CPU decides the rest in double precision. Coordinates are relative to the clusters, so that rounding errors are small
-//! compared with the triangles. **Single precision may only reject or confirm what is clear; so nothing is missed.** A GPU
-//! has no fast double precision: there the rest counts as touching unless a separating plane is found.
+//! runs on eight pairs at once, in single precision and with a bound on each error. It answers only what is certain.
+//! The CPU decides the rest in double precision. Coordinates are relative to the clusters, so that rounding errors are
+//! small compared with the triangles. **Single precision may only reject or confirm what is clear; so nothing is
+//! missed.** A GPU has no fast double precision: there the rest counts as touching unless a separating plane is found.
 //!
 //! The result is what [`Collisions`](crate::plugin::collisions::Collisions) reports: pairs and, with
-//! [`FaceLists`](crate::plugin::settings::FaceLists), their intersecting faces and the segment in which each two cross. If no
-//! faces intersect, one body may still be inside the other: one vertex of each connected part of a mesh is tested against the
-//! closed mesh of the other body.
+//! [`FaceLists`](crate::plugin::settings::FaceLists), their intersecting faces and the segment in which each two cross.
+//! If no faces intersect, one body may still be inside the other: one vertex of each connected part of a mesh is tested
+//! against the closed mesh of the other body.
 //!
 //! ## Manifolds: contact points
 //!
@@ -148,9 +149,10 @@
 //!
 //! Where surfaces already cross, the segments are joined into closed *contours*. The area vector of a contour is the
 //! direction in which the overlapping volume changes fastest, so it is the normal of the patch that the contour bounds.
-//! Near a patch a vertex or an edge counts only if its normal agrees with that of the patch. A patch gets points from rays along
-//! its normal instead if no vertex or edge overlaps there, or if the bodies overlap in its middle more deeply than vertices and
-//! edges are searched for. A body that is wholly inside another is pushed out the shortest way.
+//! Near a patch a vertex or an edge counts only if its normal agrees with that of the patch. A patch gets points from
+//! rays along its normal instead if no vertex or edge overlaps there, or if the bodies overlap in its middle more
+//! deeply than vertices and edges are searched for. A body that is wholly inside another is pushed out the shortest
+//! way.
 //!
 #![doc = include_str!("pictures/manifold.svg")]
 //!
@@ -178,33 +180,34 @@
 //! # Ok::<(), bevy_faceoff::queries::BodyFault>(())
 //! ```
 //!
-//! In the simulation, finely tessellated round surfaces touch where the smooth surface through their vertices does, so balls
-//! and wheels roll on without bumps. It lies up to a hundredth of its radius of curvature outside of the facets. On the CPU a
-//! pair keeps its candidates from step to step, found with some slack, until the bodies have moved farther.
+//! In the simulation, finely tessellated round surfaces touch where the smooth surface through their vertices does, so
+//! balls and wheels roll on without bumps. It lies up to a hundredth of its radius of curvature outside of the facets.
+//! On the CPU a pair keeps its candidates from step to step, found with some slack, until the bodies have moved
+//! farther.
 //!
 //! ## ForceScan: wake, solve, sleep
 //!
-//! Contacts are soft constraints on velocities, solved over small substeps (Catto, "Solver2D", 2024). Bodies that contacts
-//! connect form an *island*, and islands are independent.
+//! Contacts are soft constraints on velocities, solved over small substeps (Catto, "Solver2D", 2024). Bodies that
+//! contacts connect form an *island*, and islands are independent.
 //!
 #![doc = include_str!("pictures/solver.svg")]
 //!
 //! * **Warm start.** The impulses of the last collision substep are the first guess. Points are matched by place and
 //!   normal.
-//! * **Bias passes** push overlapping bodies apart, **relax passes** then remove the velocity that this added. A pass is
-//!   projected Gauss-Seidel over the pairs of an island, with an extrapolation between passes, until the
-//!   velocities have converged. Large islands get fewer passes. Heavy loads get more substeps, with fewer passes each on a
-//!   GPU. Pairs are coloured, and pairs of one colour have no moving body in common, so that several are solved at once.
+//! * **Bias passes** push overlapping bodies apart, **relax passes** then remove the velocity that this added. A pass
+//!   is projected Gauss-Seidel over the pairs of an island, with an extrapolation between passes, until the velocities
+//!   have converged. Large islands get fewer passes. Heavy loads get more substeps, with fewer passes each on a GPU.
+//!   Pairs are coloured, and pairs of one colour have no moving body in common, so that several are solved at once.
 //! * **Friction** stays within Coulomb's cone. In a flat patch it acts over the area and not at the corners.
 //! * **Impacts** are resolved in the substep in which they happen, for all contacts of the island at once.
 //! * A pair that overlaps deeply when it first meets is pushed apart along the line of centres.
-//! * **Sleep.** An island whose bodies have all gone nowhere for half a second falls asleep: it costs next to nothing, and
-//!   keeps its contact points. Slow motion that goes on does not count as rest. A velocity, a force, an awake body that comes near, or a support that goes wakes the whole
-//!   island.
+//! * **Sleep.** An island whose bodies have all gone nowhere for half a second falls asleep: it costs next to nothing,
+//!   and keeps its contact points. Slow motion that goes on does not count as rest. A velocity, a force, an awake body
+//!   that comes near, or a support that goes wakes the whole island.
 //!
 //! [`SolverSettings`](crate::types::solver_settings::SolverSettings) has the numbers. With
-//! [`Response::Impulse`](crate::types::settings::Response) this stage follows the paper's flow of data instead, which gave
-//! it its name: one impulse for each touching pair, sorted by body and summed by a segmented scan.
+//! [`Response::Impulse`](crate::types::settings::Response) this stage follows the paper's flow of data instead, which
+//! gave it its name: one impulse for each touching pair, sorted by body and summed by a segmented scan.
 //!
 //! ## Integrate
 //!
@@ -226,11 +229,11 @@
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
 //! A step on a GPU is one submission, for any number of collision substeps. The GPU counts how many the step needs, but
-//! their commands are recorded before that, for a number that the last steps suggest. If it is too large, the last ones do
-//! nothing. If it is too small, the step does nothing and is submitted again, as if a list were too short. With
-//! [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) the CPU takes part in each collision substep:
-//! when the contacts are solved, it reads which bodies may meet the fast ones, and stops these in double precision. Then the
-//! GPU goes on. Bodies, the solver's memory and sleep states stay on the GPU.
+//! their commands are recorded before that, for a number that the last steps suggest. If it is too large, the last ones
+//! do nothing. If it is too small, the step does nothing and is submitted again, as if a list were too short. With
+//! [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) the CPU takes part in each collision
+//! substep: when the contacts are solved, it reads which bodies may meet the fast ones, and stops these in double
+//! precision. Then the GPU goes on. Bodies, the solver's memory and sleep states stay on the GPU.
 //! [`Readback`](crate::plugin::settings::Readback) tells when the results reach components. A step in which all bodies
 //! sleep, and whose input is that of the step before, is not submitted at all: its results are those of that step. A
 //! kinematic body never sleeps, so this needs a world without one.

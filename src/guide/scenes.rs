@@ -2,8 +2,8 @@
 //!
 //! # Bodies in `bsn!`
 //!
-//! Bevy's scene notation needs Bevy's feature `bevy_scene`, which is on by default. A mesh is named by its path; fields that are
-//! left out have their defaults:
+//! Bevy's scene notation needs Bevy's feature `bevy_scene`, which is on by default. A mesh is named by its path; fields
+//! that are left out have their defaults:
 //!
 //! ```ignore
 //! use bevy::prelude::*;
@@ -45,9 +45,9 @@
 //! # bevy::ecs::system::assert_is_system(spawn);
 //! ```
 //!
-//! `MeshColliderFrom` takes the path of a Bevy mesh, such as `"cart.glb#Mesh0/Primitive0"`, and `ShowFacesTowards` the name of
-//! an entity of the scene, `#Target`. A `ShapeCaster` cannot be written
-//! in `bsn!`, because it may hold a handle: insert it afterwards.
+//! `MeshColliderFrom` takes the path of a Bevy mesh, such as `"cart.glb#Mesh0/Primitive0"`, and `ShowFacesTowards` the
+//! name of an entity of the scene, `#Target`. A `ShapeCaster` cannot be written in `bsn!`, because it may hold a
+//! handle: insert it afterwards.
 //!
 //! # A scene from Blender
 //!
@@ -90,8 +90,8 @@
 //!
 //! # Saved scenes
 //!
-//! All components and settings are registered for reflection, so Bevy's `DynamicWorld` saves and loads them, with Bevy's feature
-//! `bevy_world_serialization`. Here with the crates `ron` and `serde`:
+//! All components and settings are registered for reflection, so Bevy's `DynamicWorld` saves and loads them, with
+//! Bevy's feature `bevy_world_serialization`. Here with the crates `ron` and `serde`:
 //!
 //! ```ignore
 //! use bevy::ecs::entity::EntityHashMap;
@@ -137,16 +137,17 @@
 //! # assert_eq!(entities.len(), 1);
 //! ```
 //!
-//! * **Meshes** are saved by their path. A mesh that was added with `Assets::add` has no path and is not saved: Bevy warns when it
-//!   saves the scene, and the loaded body is rejected until its collider gets a mesh. Colliders that `MeshColliderFrom` and
-//!   `MeshColliderHierarchy` made are made again when the scene is loaded.
+//! * **Meshes** are saved by their path. A mesh that was added with `Assets::add` has no path and is not saved: Bevy
+//!   warns when it saves the scene, and the loaded body is rejected until its collider gets a mesh. Colliders that
+//!   `MeshColliderFrom` and `MeshColliderHierarchy` made are made again when the scene is loaded.
 //! * **Entities** in filters and of parents are those of the new world. Save what is named together with what names it.
-//! * **Lists that the step writes** (`CollidingEntities`, `RayHits`, `ShapeHits`) are saved empty. The first step fills them.
-//! * **Until meshes are loaded** their bodies do not move, but others do, and may fall through what is not there yet. Load the
-//!   meshes first, or pause [`Time<Physics>`](crate::plugin::clock).
-//! * **What the solver remembers** is not part of a scene: impulses from step to step, and how long bodies have been at rest.
-//!   A pile that lies still stays where it is, and two apps that load the same scene go on alike to the bit.
-//! * **To go on exactly as before**, save a [`Snapshot`](crate::plugin::snapshot::Snapshot) beside the scene, and give each collider
-//!   and plane a [`StableKey`](crate::plugin::components::StableKey).
+//! * **Lists that the step writes** (`CollidingEntities`, `RayHits`, `ShapeHits`) are saved empty. The first step fills
+//!   them.
+//! * **Until meshes are loaded** their bodies do not move, but others do, and may fall through what is not there yet.
+//!   Load the meshes first, or pause [`Time<Physics>`](crate::plugin::clock).
+//! * **What the solver remembers** is not part of a scene: impulses from step to step, and how long bodies have been at
+//!   rest. A pile that lies still stays where it is, and two apps that load the same scene go on alike to the bit.
+//! * **To go on exactly as before**, save a [`Snapshot`](crate::plugin::snapshot::Snapshot) beside the scene, and give
+//!   each collider and plane a [`StableKey`](crate::plugin::components::StableKey).
 //!
 //! Components without handles and entities also have serde's `Serialize` and `Deserialize`, for formats of your own.

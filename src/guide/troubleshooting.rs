@@ -1,7 +1,7 @@
 //! What to do about warnings, errors and surprises.
 //!
-//! Add Bevy's `LogPlugin` first. It is part of `DefaultPlugins`, but not of `MinimalPlugins`. The log tells the cause of most
-//! surprises below.
+//! Add Bevy's `LogPlugin` first. It is part of `DefaultPlugins`, but not of `MinimalPlugins`. The log tells the cause
+//! of most surprises below.
 //!
 //! # A body is rejected
 //!
@@ -66,6 +66,6 @@
 //!
 //! # The device fails
 //!
-//! [`BackendFailed`](crate::plugin::backend::BackendFailed) says what happened. A device that is lost is opened again; one
-//! without memory is not, and the CPU goes on. An app whose stages share the renderer's device ends when that is lost, unless it
-//! has a handler: [`backend`](crate::plugin::backend).
+//! [`BackendFailed`](crate::plugin::backend::BackendFailed) says what happened. A device that is lost is opened again;
+//! one without memory is not, and the CPU goes on. An app whose stages share the renderer's device ends when that is
+//! lost, unless it has a handler: [`backend`](crate::plugin::backend).

@@ -56,7 +56,8 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// Forgets what pairs keep from the last call. The next call finds the same points, but searches all of them afresh.
+    /// Forgets what pairs keep from the last call. The next call finds the same points, but searches all of them
+    /// afresh.
     pub fn forget(&mut self) {
         self.kept = KeptPairs::default();
     }
@@ -97,8 +98,8 @@ struct Task {
 const TASK: usize = 16;
 
 /// Writes the manifolds of `pairs`, in their order, into `manifolds`; pairs without points have none. Runs on rayon's
-/// current thread pool, outside of a pool on the calling thread. The same input gives the same bits, whatever the number
-/// of threads.
+/// current thread pool, outside of a pool on the calling thread. The same input gives the same bits, whatever the
+/// number of threads.
 ///
 /// `pairs` must hold every pair whose surfaces may overlap or be closer than its margin, each once, ascending. The
 /// earlier stages must use the same margin: the broad phase with radii enlarged by half of the largest margin of each

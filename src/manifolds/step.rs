@@ -30,8 +30,8 @@ impl Scratch {
         self.meshes.has_large_pair()
     }
 
-    /// Whether the last contact generation shows that a pair's faces do not intersect now, and that neither body contains
-    /// the other.
+    /// Whether the last contact generation shows that a pair's faces do not intersect now, and that neither body
+    /// contains the other.
     pub fn is_apart(&self, bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> bool {
         self.meshes.is_apart(bodies, meshes, pair)
     }

@@ -99,8 +99,8 @@ pub struct BackendFailed {
 
 /// Runs the stages on the chosen backend.
 pub(crate) struct Engine {
-    /// Threads of the CPU stages. `None`: the thread of the schedule is the only one. Rayon's global pool runs jobs from
-    /// other threads last, so a bake on it would delay every step.
+    /// Threads of the CPU stages. `None`: the thread of the schedule is the only one. Rayon's global pool runs jobs
+    /// from other threads last, so a bake on it would delay every step.
     pool: Option<ThreadPool>,
     /// Number of stages of the last step that used the pool.
     parallel_stages: u32,

@@ -22,8 +22,8 @@ use std::time::Duration;
 ///   and they met at any time in the step.
 ///
 /// Bodies asleep touch like bodies awake. "Ascending" and "smaller" refer to the order of
-/// [`StableKey`](crate::plugin::components::StableKey), and then, for colliders without one, to the order of spawning. An entity
-/// with the index of one that was despawned comes after those that have a new index.
+/// [`StableKey`](crate::plugin::components::StableKey), and then, for colliders without one, to the order of spawning.
+/// An entity with the index of one that was despawned comes after those that have a new index.
 #[derive(Resource, Reflect, Debug, Default)]
 #[reflect(Resource, Default, Debug)]
 pub struct Collisions {
@@ -70,10 +70,10 @@ pub struct Collision<'a> {
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
     /// that did not push have impulse 0.
     ///
-    /// A step with several collision substeps ([`StepReport::collision_substeps`]) has the points of each collision substep in
-    /// which the two touched, in order. A persistent contact therefore appears once per collision substep. With
-    /// [`Response::None`](crate::types::settings::Response::None) all impulses are 0. With `Response::Impulse`, and for
-    /// sensors, there are no points.
+    /// A step with several collision substeps ([`StepReport::collision_substeps`]) has the points of each collision
+    /// substep in which the two touched, in order. A persistent contact therefore appears once per collision substep.
+    /// With [`Response::None`](crate::types::settings::Response::None) all impulses are 0. With `Response::Impulse`,
+    /// and for sensors, there are no points.
     ///
     /// On a GPU the points are the same with every [`Readback`](crate::plugin::settings::Readback) that publishes
     /// `Collisions`.
@@ -126,8 +126,8 @@ impl Collisions {
         self.len() == 0
     }
 
-    /// The collision of two colliders, or of a collider and a plane, if they touch. The order of arguments does not matter.
-    /// Takes time logarithmic in the number of colliders and pairs. For bodies of several colliders see
+    /// The collision of two colliders, or of a collider and a plane, if they touch. The order of arguments does not
+    /// matter. Takes time logarithmic in the number of colliders and pairs. For bodies of several colliders see
     /// [`Collisions::of`].
     pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
         let find = |numbers: &Numbers, entity| numbers.number_of(entity).map(|i| i as u32);
@@ -209,9 +209,9 @@ impl Collisions {
     /// The contact manifolds of all pairs whose surfaces came nearer than a margin, whether they touch or not. With
     /// [`Response::None`](crate::types::settings::Response::None) the margin of two colliders is
     /// [`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin). With
-    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) it is the speculative margin, which also grows with the
-    /// relative speed of the two. With both responses the margin of a collider and a plane is a hundredth of the collider's
-    /// diameter, and grows with its speed.
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) it is the speculative margin, which also
+    /// grows with the relative speed of the two. With both responses the margin of a collider and a plane is a
+    /// hundredth of the collider's diameter, and grows with its speed.
     ///
     /// In the order of the step: first pairs of colliders, then colliders (first) with planes (second). Within a pair
     /// the static collider comes first, else the smaller one. Sensors have no manifolds, and
@@ -219,25 +219,27 @@ impl Collisions {
     ///
     /// # A solver of your own
     ///
-    /// The example `custom_response` is one. Set [`Response::None`](crate::types::settings::Response::None), and add a system
-    /// to [`FaceoffStep`](crate::plugin::FaceoffStep) in the set
+    /// The example `custom_response` is one. Set [`Response::None`](crate::types::settings::Response::None), and add a
+    /// system to [`FaceoffStep`](crate::plugin::FaceoffStep) in the set
     /// [`FaceoffSystems::Respond`](crate::plugin::FaceoffSystems::Respond). It reads the manifolds and writes
-    /// [`LinearVelocity`](crate::types::body::LinearVelocity) and [`AngularVelocity`](crate::types::body::AngularVelocity),
-    /// with which the next step moves the bodies.
+    /// [`LinearVelocity`](crate::types::body::LinearVelocity) and
+    /// [`AngularVelocity`](crate::types::body::AngularVelocity), with which the next step moves the bodies.
     ///
-    /// * **Points are from the beginning of the step**, before bodies moved. Since then the separation of a point has changed by
-    ///   about the relative velocity along the normal, as the components have it, times the length of the step.
-    /// * **The next step adds gravity** to the velocities, [`Gravity`](crate::plugin::settings::Gravity) times the length of the
-    ///   step, before it moves the bodies. Solve for the velocities with gravity, and write them without.
+    /// * **Points are from the beginning of the step**, before bodies moved. Since then the separation of a point has
+    ///   changed by about the relative velocity along the normal, as the components have it, times the length of the
+    ///   step.
+    /// * **The next step adds gravity** to the velocities, [`Gravity`](crate::plugin::settings::Gravity) times the
+    ///   length of the step, before it moves the bodies. Solve for the velocities with gravity, and write them without.
     /// * **The length of a step** is the delta of the resource `Time`, which is the physics clock there.
     /// * **The margin of two colliders does not grow with speed** with `Response::None`. Set `contact_margin` to the
     ///   distance that bodies may travel in a step, as a part of their diameter, so that a contact is seen before they
     ///   overlap.
     /// * **Mass and inertia** are yours. [`CollisionMesh::mass`](crate::asset::BakedMesh::mass) has those of a mesh,
     ///   about the centre of mass, where anchors begin.
-    /// * **The colliders' bodies** have the velocities. Where bodies have colliders on children, find them by `ChildOf`.
-    /// * **On a GPU** use [`Readback::Lockstep`](crate::plugin::settings::Readback::Lockstep). Otherwise the manifolds are some
-    ///   steps old, and contacts are solved too late.
+    /// * **The colliders' bodies** have the velocities. Where bodies have colliders on children, find them by
+    ///   `ChildOf`.
+    /// * **On a GPU** use [`Readback::Lockstep`](crate::plugin::settings::Readback::Lockstep). Otherwise the manifolds
+    ///   are some steps old, and contacts are solved too late.
     pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
         let entity = |i: u32| {
             let bodies = self.rows.entities.len();
@@ -318,12 +320,13 @@ pub struct StepReport {
     /// Number of colliders whose components the step has read: all, or, if changes are known, only colliders of bodies
     /// that are neither static nor [dormant](Self::dormant), and changed static ones.
     pub colliders_read: usize,
-    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, the GPU's own time on a GPU. Zero on a GPU
-    /// without timestamp queries.
+    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, the GPU's own time on a GPU. Zero on a
+    /// GPU without timestamp queries.
     pub stages: [Duration; Stage::COUNT],
     /// Wall time of the whole step, including reading components and writing results.
     pub total: Duration,
-    /// Number of pairs of colliders whose bounding spheres, enlarged by the speculative margin, overlap. Planes do not count.
+    /// Number of pairs of colliders whose bounding spheres, enlarged by the speculative margin, overlap. Planes do not
+    /// count.
     pub sphere_pairs: usize,
     /// Number of pairs for which an approximate [`Culling`](crate::types::settings::Culling) left out triangles. If it
     /// is 0, the step was exact.
@@ -338,10 +341,11 @@ pub struct StepReport {
     /// reads which faces intersect, so faces are not tested, and [`triangle_tests`](Self::triangle_tests) and
     /// [`face_pairs`](Self::face_pairs) are 0.
     pub touching_pairs: usize,
-    /// Number of contact points within the margin of [`Collisions::manifolds`], between colliders and between colliders and
-    /// planes.
+    /// Number of contact points within the margin of [`Collisions::manifolds`], between colliders and between colliders
+    /// and planes.
     pub contact_points: usize,
-    /// Number of collision substeps, the largest of any body; see [`SolverSettings`](crate::types::solver_settings::SolverSettings).
+    /// Number of collision substeps, the largest of any body; see
+    /// [`SolverSettings`](crate::types::solver_settings::SolverSettings).
     pub collision_substeps: u32,
     /// The mean number of collision substeps of the bodies that move.
     pub mean_collision_substeps: f32,
@@ -360,8 +364,8 @@ pub struct StepReport {
     /// Number of steps on the GPU whose results are not published yet; see
     /// [`Readback`](crate::plugin::settings::Readback).
     pub in_flight: usize,
-    /// How many times a step has waited for the GPU since the device was opened: for the results of an earlier step, or in
-    /// each collision substep and at the end for what
+    /// How many times a step has waited for the GPU since the device was opened: for the results of an earlier step, or
+    /// in each collision substep and at the end for what
     /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) needs.
     pub waits: u64,
     /// Number of bodies that lost pairs, because they overlap so many others that the step would have exceeded its

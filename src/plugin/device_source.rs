@@ -43,8 +43,8 @@ impl Source {
     }
 }
 
-/// How many times a lost device may be replaced. After a single loss, for example by a driver update, the reopened device
-/// works. Losses that soon follow each other have another cause.
+/// How many times a lost device may be replaced. After a single loss, for example by a driver update, the reopened
+/// device works. Losses that soon follow each other have another cause.
 pub(crate) struct Retries {
     left: u32,
     /// Steps on the device since the last loss.

@@ -59,8 +59,8 @@ impl CollisionStart {
 }
 
 /// Two colliders, or a collider and a plane, have not touched for the time of
-/// [`EventHysteresis`](crate::plugin::settings::EventHysteresis). Sent at once if one of them was despawned, disabled or
-/// rejected, or became part of another body.
+/// [`EventHysteresis`](crate::plugin::settings::EventHysteresis). Sent at once if one of them was despawned, disabled
+/// or rejected, or became part of another body.
 ///
 /// Written and triggered like [`CollisionStart`].
 #[derive(Message, EntityEvent, MapEntities, Reflect, Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,8 +12,8 @@ use bevy::prelude::*;
 use std::any::type_name;
 use std::marker::PhantomData;
 
-/// Decides about pairs of colliders. Implement it for a system parameter that reads the world, and add that to the app with a
-/// [`CollisionHooksPlugin`]. It is called for pairs with
+/// Decides about pairs of colliders. Implement it for a system parameter that reads the world, and add that to the app
+/// with a [`CollisionHooksPlugin`]. It is called for pairs with
 /// [`ActiveCollisionHooks`](crate::types::hooks::ActiveCollisionHooks), in every collision substep.
 ///
 /// Order within a pair: a static collider comes first, otherwise the smaller one in the order of
@@ -22,9 +22,11 @@ use std::marker::PhantomData;
 ///
 /// * **Filter**: a pair that is left out is not tested, does not touch and is not reported. A sleeping body wakes when
 ///   the answer about a pair near it changes.
-/// * **Modify**: the contact points of a pair, its friction and restitution, and the velocity of its surface. It is called
-///   for pairs that are awake. A sleeping body keeps its contacts, so wake it (`Sleeping(false)`) when your rule changes.
-/// * Hooks run on the CPU. Where the stages run on a GPU, steps run on the CPU while anything has `ActiveCollisionHooks`.
+/// * **Modify**: the contact points of a pair, its friction and restitution, and the velocity of its surface. It is
+///   called for pairs that are awake. A sleeping body keeps its contacts, so wake it (`Sleeping(false)`) when your rule
+///   changes.
+/// * Hooks run on the CPU. Where the stages run on a GPU, steps run on the CPU while anything has
+///   `ActiveCollisionHooks`.
 ///
 /// A conveyor belt:
 ///
@@ -67,8 +69,8 @@ pub trait CollisionHooks: ReadOnlySystemParam + Send + Sync {
         true
     }
 
-    /// Changes the contacts of a pair. Returns false to drop them: the pair neither pushes nor is reported. Default: they
-    /// are unchanged.
+    /// Changes the contacts of a pair. Returns false to drop them: the pair neither pushes nor is reported. Default:
+    /// they are unchanged.
     fn modify_contacts(&self, _contacts: &mut ContactPair, _commands: &mut Commands) -> bool {
         true
     }

@@ -1,9 +1,10 @@
-//! Motion that looks smooth although frames and steps have different rates: the crate `bevy_transform_interpolation`, with
-//! what it must know of this plugin. Needs the feature `interpolation`.
+//! Motion that looks smooth although frames and steps have different rates: the crate `bevy_transform_interpolation`,
+//! with what it must know of this plugin. Needs the feature `interpolation`.
 //!
-//! Steps run at a fixed rate, 64 times a second by default; frames are drawn at another. Without interpolation a body that
-//! flies straight is drawn up to twice at one place, and then jumps. With it, `Transform` is between the poses before and
-//! after the last step in every frame, so bodies are drawn up to one step late. Before each step it is exact again.
+//! Steps run at a fixed rate, 64 times a second by default; frames are drawn at another. Without interpolation a body
+//! that flies straight is drawn up to twice at one place, and then jumps. With it, `Transform` is between the poses
+//! before and after the last step in every frame, so bodies are drawn up to one step late. Before each step it is exact
+//! again.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -25,15 +26,15 @@
 //! app.add_plugins(FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all()));
 //! ```
 //!
-//! * **Jumps.** A body that is placed with [`Teleport`], that gets another parent, or whose `Transform` a system outside of fixed
-//!   time writes, appears at its new place at once. Without a `Teleport` it moves smoothly to where a system of fixed time,
-//!   for example of `FixedLast`, puts it. Translation, rotation and scale count by themselves: a body that a system
-//!   of `Update` turns in every frame flies on smoothly.
-//! * **What systems read.** In `FixedUpdate` a `Transform` is the pose after the last step. In `Update` it is the one that is
-//!   drawn; questions through [`SpatialQuery`](crate::plugin::queries::SpatialQuery) are about the poses after the last
-//!   step, unless [`update_spatial_queries`](crate::plugin::queries::update_spatial_queries) runs there.
-//! * **A GPU.** With `Readback::Lockstep` and `Readback::Latent` as on the CPU. With `Readback::Resident` components do not
-//!   follow the bodies. Blend the poses before and after the last step where you draw: `plugin::poses` has them,
+//! * **Jumps.** A body that is placed with [`Teleport`], that gets another parent, or whose `Transform` a system
+//!   outside of fixed time writes, appears at its new place at once. Without a `Teleport` it moves smoothly to where a
+//!   system of fixed time, for example of `FixedLast`, puts it. Translation, rotation and scale count by themselves: a
+//!   body that a system of `Update` turns in every frame flies on smoothly.
+//! * **What systems read.** In `FixedUpdate` a `Transform` is the pose after the last step. In `Update` it is the one
+//!   that is drawn; questions through [`SpatialQuery`](crate::plugin::queries::SpatialQuery) are about the poses after
+//!   the last step, unless [`update_spatial_queries`](crate::plugin::queries::update_spatial_queries) runs there.
+//! * **A GPU.** With `Readback::Lockstep` and `Readback::Latent` as on the CPU. With `Readback::Resident` components do
+//!   not follow the bodies. Blend the poses before and after the last step where you draw: `plugin::poses` has them,
 //!   `plugin::drawn_part` tells at which part of the way, and `plugin::Poses::WGSL` has the functions.
 //! * **Bodies under other entities.** Their `Transform` is interpolated relative to the parent.
 
@@ -54,11 +55,12 @@ pub use bevy_transform_interpolation::{
     },
 };
 
-/// Interpolates bodies that have a [`TransformInterpolation`]. [`FaceoffPlugins`](crate::plugin::FaceoffPlugins) contain it.
+/// Interpolates bodies that have a [`TransformInterpolation`]. [`FaceoffPlugins`](crate::plugin::FaceoffPlugins)
+/// contain it.
 #[derive(Debug, Default)]
 pub struct InterpolationPlugin {
-    /// Whether every entity with a [`RigidBody`] gets a [`TransformInterpolation`]. A [`NoTransformEasing`] switches it off
-    /// for an entity. Default false.
+    /// Whether every entity with a [`RigidBody`] gets a [`TransformInterpolation`]. A [`NoTransformEasing`] switches it
+    /// off for an entity. Default false.
     pub interpolate_all: bool,
 }
 
@@ -122,8 +124,8 @@ struct Blend {
     exact: Transform,
 }
 
-/// From where to where a body is interpolated. It has ends only while they are blended: otherwise the next step would begin
-/// there, although others may have written the `Transform` since.
+/// From where to where a body is interpolated. It has ends only while they are blended: otherwise the next step would
+/// begin there, although others may have written the `Transform` since.
 #[derive(QueryData)]
 #[query_data(mutable)]
 struct Easing {

@@ -11,9 +11,9 @@ use std::task::Poll;
 /// Adds a [`MeshCollider`] to its entity, made from a Bevy mesh, as soon as that mesh is loaded.
 ///
 /// Each mesh is baked once in the background, however many entities use it. If a mesh is not usable, an error is logged
-/// once, and its entities get no collider. With `Handle::default()` an entity gets its collider once another handle is set.
-/// On a child it is part of the body above, like any [`MeshCollider`]. The collider does not follow later changes of the mesh;
-/// remove the [`MeshCollider`] to have a new one made.
+/// once, and its entities get no collider. With `Handle::default()` an entity gets its collider once another handle is
+/// set. On a child it is part of the body above, like any [`MeshCollider`]. The collider does not follow later changes
+/// of the mesh; remove the [`MeshCollider`] to have a new one made.
 ///
 /// A saved scene does not contain a collider that was made here, but this component: the collider is made again.
 ///

@@ -38,8 +38,8 @@ use serde::{Deserialize, Serialize};
 /// `HitData::extra_as` gives: the face, for example. Bevy's `Pickable` decides whether a collider gets events, and
 /// whether colliders behind it do.
 ///
-/// Colliders are where they were after the last step, or, while the clock of physics or of the game is paused, where their
-/// components are.
+/// Colliders are where they were after the last step, or, while the clock of physics or of the game is paused, where
+/// their components are.
 pub struct ColliderPickingPlugin;
 
 /// Which colliders get pointer events.

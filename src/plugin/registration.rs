@@ -70,8 +70,8 @@ pub(super) fn register(app: &mut App) {
 }
 
 /// Registers Bevy's components that place and name bodies. Bevy registers them itself with its feature
-/// `reflect_auto_register`, which is on by default. Servers and tests may be built without, and scenes of bodies would lose
-/// them.
+/// `reflect_auto_register`, which is on by default. Servers and tests may be built without, and scenes of bodies would
+/// lose them.
 pub(super) fn register_hierarchy(app: &mut App) {
     app.register_type::<Transform>()
         .register_type::<GlobalTransform>()

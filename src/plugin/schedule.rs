@@ -12,11 +12,11 @@ use bevy::prelude::*;
 /// this set. A run condition on the set enables or disables the steps. In `RunFixedMainLoop` the set holds the systems
 /// that publish late results while time stands still.
 ///
-/// `world.run_schedule(FaceoffStep)` runs one step at once, at any place. If bodies are interpolated, call it in fixed time, for
-/// example in `FixedPostUpdate`, because in `Update` it would start from the poses that are drawn. Such a step has the length of
-/// the fixed timestep, even if a clock is paused. It waits for the results of a GPU and publishes them, whatever the
-/// [`Readback`](super::settings::Readback). It does nothing while [`ActiveBackend`](super::backend::ActiveBackend) is
-/// neither `Cpu` nor `Gpu`.
+/// `world.run_schedule(FaceoffStep)` runs one step at once, at any place. If bodies are interpolated, call it in fixed
+/// time, for example in `FixedPostUpdate`, because in `Update` it would start from the poses that are drawn. Such a
+/// step has the length of the fixed timestep, even if a clock is paused. It waits for the results of a GPU and
+/// publishes them, whatever the [`Readback`](super::settings::Readback). It does nothing while
+/// [`ActiveBackend`](super::backend::ActiveBackend) is neither `Cpu` nor `Gpu`.
 #[derive(ScheduleLabel, SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct FaceoffStep;
 
@@ -27,12 +27,12 @@ pub struct FaceoffStep;
 /// [`FaceoffSystems::Integrate`].
 ///
 /// On a GPU all stages are one submission, or a few with
-/// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). [`FaceoffSystems::BroadPhase`] submits them. With
-/// [`Readback::Lockstep`](super::settings::Readback::Lockstep) it also waits for their results. With
+/// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). [`FaceoffSystems::BroadPhase`] submits
+/// them. With [`Readback::Lockstep`](super::settings::Readback::Lockstep) it also waits for their results. With
 /// [`Readback::Latent`](super::settings::Readback::Latent) it waits for the results of
 /// [`LATENCY`](super::settings::LATENCY) steps before, and with
-/// [`Readback::Resident`](super::settings::Readback::Resident) only for the counts of that step. The other stages do nothing.
-/// Components and [`Collisions`](super::collisions::Collisions) change in [`FaceoffSystems::Publish`].
+/// [`Readback::Resident`](super::settings::Readback::Resident) only for the counts of that step. The other stages do
+/// nothing. Components and [`Collisions`](super::collisions::Collisions) change in [`FaceoffSystems::Publish`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FaceoffSystems {
     /// Reads components into the stages' arrays and rejects invalid bodies.

@@ -18,23 +18,23 @@ impl Default for Gravity {
     }
 }
 
-/// How long two colliders must not have touched before [`CollisionEnd`](crate::plugin::events::CollisionEnd) is sent and
-/// [`CollidingEntities`](crate::plugin::components::CollidingEntities) drops them. In seconds, default 0.1.
+/// How long two colliders must not have touched before [`CollisionEnd`](crate::plugin::events::CollisionEnd) is sent
+/// and [`CollidingEntities`](crate::plugin::components::CollidingEntities) drops them. In seconds, default 0.1.
 ///
 /// A body that bounces, or that rolls along the rim of a sensor, may touch in one step and not in the next. Without
 /// hysteresis each gap would be an end and a new start. With hysteresis a start is sent at once, and an end after this
 /// time. An end is sent at once
 /// * if one of the two is despawned, loses its collider, is disabled or is rejected,
 /// * if one of the two became part of another body,
-/// * if a written `Transform` puts one of the two elsewhere, so that their bounding spheres are apart (not where results
-///   come later),
+/// * if a written `Transform` puts one of the two elsewhere, so that their bounding spheres are apart (not where
+///   results come later),
 /// * for a fast body that passed a sensor within one step
 ///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)).
 ///
 /// `EventHysteresis(0.0)` turns hysteresis off: starts and ends are then exact to the step. It does not affect
 /// [`Collisions`](crate::plugin::collisions::Collisions), which always holds the pairs that touched in the last step.
-/// With an infinite time only the ends that are sent at once are sent. A negative time counts as 0, and NaN counts as the
-/// default.
+/// With an infinite time only the ends that are sent at once are sent. A negative time counts as 0, and NaN counts as
+/// the default.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut, Serialize, Deserialize)]
 #[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EventHysteresis(pub f32);
@@ -45,8 +45,8 @@ impl Default for EventHysteresis {
     }
 }
 
-/// Whether [`Collision::faces`](crate::plugin::collisions::Collision::faces) lists which faces of the two intersect. Default
-/// false: it is `None`. Takes effect in the next step.
+/// Whether [`Collision::faces`](crate::plugin::collisions::Collision::faces) lists which faces of the two intersect.
+/// Default false: it is `None`. Takes effect in the next step.
 ///
 /// On a GPU the lists are most of what a step with many touching bodies reads back. Without them faces are tested just
 /// as exactly, but only counted ([`StepReport::face_pairs`](crate::plugin::collisions::StepReport::face_pairs)). On the
@@ -145,8 +145,9 @@ pub enum Readback {
     /// Like `Latent`, but the bodies stay on the GPU: components and `Collisions` are not written, and no messages of
     /// collisions are sent. Components hold what users wrote last.
     ///
-    /// To move a kinematic body by its `Transform` after it has moved by its velocity, set both velocities to zero and insert its
-    /// `Transform`. If the body was dynamic before, insert both velocities and the `Transform` in the same step.
+    /// To move a kinematic body by its `Transform` after it has moved by its velocity, set both velocities to zero and
+    /// insert its `Transform`. If the body was dynamic before, insert both velocities and the `Transform` in the same
+    /// step.
     ///
     /// [`StepReport`](crate::plugin::collisions::StepReport) has the counts. Draw from [`poses`](crate::plugin::poses).
     /// To read poses and velocities back, use [`Snapshot::take`](crate::plugin::snapshot::Snapshot::take).

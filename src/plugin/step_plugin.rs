@@ -233,8 +233,8 @@ pub fn drawn_part(world: &World) -> f32 {
     fixed.map_or(1.0, Time::overstep_fraction)
 }
 
-/// The poses of all colliders on the GPU, for shaders that draw them without reading results back: buffers with the poses
-/// before and after the last submitted step, and the entities in the same order.
+/// The poses of all colliders on the GPU, for shaders that draw them without reading results back: buffers with the
+/// poses before and after the last submitted step, and the entities in the same order.
 ///
 /// `None` unless the stages run on a GPU with [`Readback::Latent`] or [`Readback::Resident`]. There are no entities
 /// between [`Snapshot::restore`](crate::plugin::snapshot::Snapshot::restore) and the next step.

@@ -1,8 +1,8 @@
 //! Scan conversion of eight triangles at a time, as [`Spans`](super::spans::Spans) defines it.
 //!
-//! A [`Batch`] is eight triangles of the mesh. Seen along a direction it becomes [`ProjectedTriangles`], which give eight
-//! rows of one of the triangles at a time, or a row of each. Each number comes from the same operations in the same order
-//! as in `Spans`, so both agree in every bit, with any instruction set.
+//! A [`Batch`] is eight triangles of the mesh. Seen along a direction it becomes [`ProjectedTriangles`], which give
+//! eight rows of one of the triangles at a time, or a row of each. Each number comes from the same operations in the
+//! same order as in `Spans`, so both agree in every bit, with any instruction set.
 
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::lanes::{Stored, StoredPoints, points};

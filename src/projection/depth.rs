@@ -58,8 +58,8 @@ impl Depth {
         let (stride, heights) = (self.stride, self.heights.as_mut_slice());
         let mut covering = 0;
         let (most, calls) = projected.row_counts();
-        // A row of each triangle at a time is cheap where triangles have few rows. Otherwise eight rows of a triangle at
-        // a time are, because its spans follow each other in memory (measured).
+        // A row of each triangle at a time is cheap where triangles have few rows. Otherwise eight rows of a triangle
+        // at a time are, because its spans follow each other in memory (measured).
         if most * 2 <= calls {
             for row in 0..most {
                 let rows = projected.row_of_each(simd, row);

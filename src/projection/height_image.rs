@@ -66,8 +66,8 @@ impl ImagePlaces {
         }
     }
 
-    /// Column and row of a point, with whole numbers at the centres of pixels and row 0 at the bottom; and its height in mesh
-    /// units, as in [`HeightImage::heights`].
+    /// Column and row of a point, with whole numbers at the centres of pixels and row 0 at the bottom; and its height
+    /// in mesh units, as in [`HeightImage::heights`].
     pub fn of(&self, point: Vec3) -> [f32; 3] {
         let p = self.rotation * (point.as_dvec3() - self.center);
         let pixel = |x: f64| (x * self.pixels_per_unit + self.middle) as f32;

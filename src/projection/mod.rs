@@ -60,8 +60,9 @@ pub struct BakeSettings {
     pub weld_tolerance: f32,
     /// How to treat a closed mesh whose faces point inward.
     pub inward: Inward,
-    /// The thickness of the shell that an open mesh weighs if it encloses nothing, relative to the diagonal of its bounding box;
-    /// more than 0, at most 0.5. See [`MassProperties::with_shell`](crate::geometry::MassProperties::with_shell).
+    /// The thickness of the shell that an open mesh weighs if it encloses nothing, relative to the diagonal of its
+    /// bounding box; more than 0, at most 0.5. See
+    /// [`MassProperties::with_shell`](crate::geometry::MassProperties::with_shell).
     pub shell_thickness: f32,
 }
 

@@ -109,8 +109,8 @@ impl<S: Simd> Swept<S> {
         }
     }
 
-    /// Lower bounds of the distances at which it meets other boxes, and the lanes of those that it may meet no later than at
-    /// `most`.
+    /// Lower bounds of the distances at which it meets other boxes, and the lanes of those that it may meet no later
+    /// than at `most`.
     #[inline(always)]
     pub fn bounds(&self, boxes: &Boxes<S>, most: f32) -> ([f32; 8], u32) {
         let simd = self.start[0].simd;

@@ -21,8 +21,8 @@ pub struct CastHit {
     pub distance: f64,
     /// A point of the mesh at which they touch, in the world.
     pub point: DVec3,
-    /// Unit vector from the mesh to the shape: normal to the face that touches, to both edges that touch, or to the round
-    /// shape. At least a little against the direction of the cast, unless the distance is 0.
+    /// Unit vector from the mesh to the shape: normal to the face that touches, to both edges that touch, or to the
+    /// round shape. At least a little against the direction of the cast, unless the distance is 0.
     pub normal: Vec3,
     /// The face of the mesh, an index of the source mesh.
     pub face: u32,
@@ -40,16 +40,16 @@ pub struct CastScratch {
 const ROUNDING: f64 = 1.0e-6;
 
 impl Placed<'_> {
-    /// The first touch of a shape that starts with a pose and moves up to `max_distance` metres, which may be infinite, along
-    /// `direction` of any length, without turning.
+    /// The first touch of a shape that starts with a pose and moves up to `max_distance` metres, which may be infinite,
+    /// along `direction` of any length, without turning.
     ///
-    /// * The distance is exact up to rounding, about 10^-9 of the size of the faces: the shape moved by it touches the mesh,
-    ///   and on the way there is apart.
-    /// * A shape that touches or overlaps the mesh at the start, as [`Placed::overlaps`] tells, has distance 0, also if it
-    ///   moves away. So keep a shape that shall slide along a floor a little above it. Point, normal and face are then
-    ///   those of [`Placed::closest_point`] for the centre of the shape; for a mesh that is its centre of mass.
-    /// * If it touches in several places at once, the hit is a face rather than an edge, and the one most directly against
-    ///   the direction.
+    /// * The distance is exact up to rounding, about 10^-9 of the size of the faces: the shape moved by it touches the
+    ///   mesh, and on the way there is apart.
+    /// * A shape that touches or overlaps the mesh at the start, as [`Placed::overlaps`] tells, has distance 0, also if
+    ///   it moves away. So keep a shape that shall slide along a floor a little above it. Point, normal and face are
+    ///   then those of [`Placed::closest_point`] for the centre of the shape; for a mesh that is its centre of mass.
+    /// * If it touches in several places at once, the hit is a face rather than an edge, and the one most directly
+    ///   against the direction.
     /// * A shape inside a room or a hollow hits its wall from inside.
     /// * A face that moves in its own plane does not hit faces in the same plane, but those at their edges.
     /// * There is no hit if the shape or the pose is not valid, the direction is zero or not finite, the distance is
@@ -188,8 +188,8 @@ struct SweptRound<'a> {
 }
 
 impl SweptRound<'_> {
-    /// Calls `touches` with the triangles whose boxes it may meet within `most` metres, nearer ones first. It returns the
-    /// distance of interest from then on.
+    /// Calls `touches` with the triangles whose boxes it may meet within `most` metres, nearer ones first. It returns
+    /// the distance of interest from then on.
     #[inline(always)]
     fn search<S: Simd>(&self, simd: S, most: f64, touches: &mut impl FnMut(usize) -> f64) {
         let (mesh, [p, q]) = (self.placed.mesh(), self.ends);

@@ -73,8 +73,8 @@ pub struct CheckOptions {
 
 /// All touching pairs of placements, ascending, with every triangle tested, on the CPU.
 ///
-/// The poses count as exact. Corners are placed in double precision, and no touch is missed. Triangles that are apart by no more
-/// than the rounding of that, 1e-14 of the two bodies' size, may count as touching.
+/// The poses count as exact. Corners are placed in double precision, and no touch is missed. Triangles that are apart
+/// by no more than the rounding of that, 1e-14 of the two bodies' size, may count as touching.
 ///
 /// Runs on rayon's current thread pool: call it inside `ThreadPool::install` to choose one.
 ///

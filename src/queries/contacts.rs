@@ -22,8 +22,8 @@ pub struct MeshContact {
     pub separation: f32,
     /// Faces on which the anchors lie, indices of the source meshes.
     pub faces: [u32; 2],
-    /// Features of each mesh that touch. The same two ids identify the same point after a small motion. Those of overlaps
-    /// may not: see [`FeatureKind::Overlap`].
+    /// Features of each mesh that touch. The same two ids identify the same point after a small motion. Those of
+    /// overlaps may not: see [`FeatureKind::Overlap`].
     ///
     /// [`FeatureKind::Overlap`]: crate::types::feature_id::FeatureKind::Overlap
     pub features: [FeatureId; 2],

@@ -1,5 +1,5 @@
-//! Collision queries of placed meshes, without a simulation, an app or a thread pool: rays, nearest points, overlaps, casts
-//! and contact points.
+//! Collision queries of placed meshes, without a simulation, an app or a thread pool: rays, nearest points, overlaps,
+//! casts and contact points.
 //!
 //! ```
 //! use bevy_faceoff::asset::CollisionMesh;
@@ -59,8 +59,8 @@
 //!   [`Placed::hits_ray`] whether there is one.
 //! * [`Placed::closest_point`] finds the nearest point of the surface, and whether a point is inside.
 //! * [`Placed::closest_to_segment`] finds how a capsule comes out of an overlap.
-//! * [`Placed::overlaps`] tells whether a [`QueryShape`] touches the mesh: a mesh, ball, box or capsule. [`Placed::cast`] finds
-//!   where it first touches if it moves along a line.
+//! * [`Placed::overlaps`] tells whether a [`QueryShape`] touches the mesh: a mesh, ball, box or capsule.
+//!   [`Placed::cast`] finds where it first touches if it moves along a line.
 //! * [`Scene`] asks many placed meshes and planes at once.
 //! * [`check`](check::check) and [`touching`] find the touching pairs of many placements. They run on rayon's thread
 //!   pool.

@@ -40,8 +40,8 @@ impl<'a> Placed<'a> {
     /// Places a mesh. `rotation` may have any length but zero; `scale` is along the mesh's own axes and may mirror.
     ///
     /// # Errors
-    /// If a number is not finite, the rotation is zero, the scale makes a mesh flat that is not, or the placed mesh extends
-    /// beyond [`MAX_COORDINATE`] metres.
+    /// If a number is not finite, the rotation is zero, the scale makes a mesh flat that is not, or the placed mesh
+    /// extends beyond [`MAX_COORDINATE`] metres.
     pub fn new(mesh: &'a CollisionMesh, translation: DVec3, rotation: DQuat, scale: Vec3) -> Result<Self, BodyFault> {
         if !(translation.is_finite() && rotation.is_finite() && scale.is_finite()) {
             return Err(BodyFault::NonFinitePose);

@@ -21,15 +21,15 @@ pub struct PointHit {
     pub point: DVec3,
     /// From the given point to the mesh, metres; 0 if the point is inside.
     pub distance: f64,
-    /// Unit vector out of the mesh: from the nearest point to the given one, or back if that is inside. On the surface it is
-    /// the normal of the face.
+    /// Unit vector out of the mesh: from the nearest point to the given one, or back if that is inside. On the surface
+    /// it is the normal of the face.
     pub normal: Vec3,
     /// The face of the nearest point, an index of the source mesh.
     pub face: u32,
     /// Weights of the three corners of the face, in their order in the source mesh. They add up to 1.
     pub barycentric: Vec3,
-    /// Whether the given point is inside the mesh. Never for rooms, and for open meshes unless they are nearly closed: see
-    /// [`TriMesh::caps`](crate::geometry::TriMesh::caps).
+    /// Whether the given point is inside the mesh. Never for rooms, and for open meshes unless they are nearly closed:
+    /// see [`TriMesh::caps`](crate::geometry::TriMesh::caps).
     pub is_inside: bool,
 }
 
@@ -45,9 +45,9 @@ impl Placed<'_> {
     /// The point of the mesh that is nearest to `point`, if it is no farther than `max_distance` metres. That may be
     /// infinite.
     ///
-    /// A point inside a closed mesh has distance 0, and `point` of the hit is on the surface, however far. Of two faces at
-    /// the same distance, for example at a common corner, it is the one of lower number. There is none if a number is NaN,
-    /// the distance negative, or the point not finite or farther than 10^18 m away.
+    /// A point inside a closed mesh has distance 0, and `point` of the hit is on the surface, however far. Of two faces
+    /// at the same distance, for example at a common corner, it is the one of lower number. There is none if a number
+    /// is NaN, the distance negative, or the point not finite or farther than 10^18 m away.
     pub fn closest_point(&self, point: DVec3, max_distance: f64) -> Option<PointHit> {
         let from = self.in_axes(point);
         let is_valid = from.is_finite() && from.length() < FARTHEST && max_distance >= 0.0;
@@ -93,8 +93,8 @@ impl Placed<'_> {
         nearest
     }
 
-    /// Calls `found` with the triangles whose boxes may be within `most` of a box given by its centre and half size, nearer
-    /// ones first. It returns the distance of interest from then on; minus infinity ends the visit.
+    /// Calls `found` with the triangles whose boxes may be within `most` of a box given by its centre and half size,
+    /// nearer ones first. It returns the distance of interest from then on; minus infinity ends the visit.
     pub(super) fn visit_near(&self, center: DVec3, half: DVec3, most: f64, found: &mut dyn FnMut(usize) -> f64) {
         with_simd!(simd => self.visit_near_with(simd, center, half, most, found));
     }

@@ -62,8 +62,8 @@ impl Ray {
         }
     }
 
-    /// The unit direction. `None` if the ray hits nothing: if a number is not finite, the direction is zero, or the length
-    /// is negative or NaN.
+    /// The unit direction. `None` if the ray hits nothing: if a number is not finite, the direction is zero, or the
+    /// length is negative or NaN.
     pub(super) fn way(&self) -> Option<DVec3> {
         unit(self.direction).filter(|_| self.origin.is_finite() && self.max_distance >= 0.0)
     }
@@ -78,10 +78,10 @@ pub(super) fn unit(direction: DVec3) -> Option<DVec3> {
 impl Placed<'_> {
     /// The first face that a ray hits.
     ///
-    /// A ray that starts on a face hits it at distance 0. One that starts inside a closed mesh hits it from behind. Of two
-    /// faces that are hit at the same distance, for example at a common edge, it is the one of lower number. A ray that
-    /// lies in the plane of a face hits only its neighbours. A ray with a zero direction, a number that is not finite or a
-    /// negative length hits nothing.
+    /// A ray that starts on a face hits it at distance 0. One that starts inside a closed mesh hits it from behind. Of
+    /// two faces that are hit at the same distance, for example at a common edge, it is the one of lower number. A ray
+    /// that lies in the plane of a face hits only its neighbours. A ray with a zero direction, a number that is not
+    /// finite or a negative length hits nothing.
     pub fn cast_ray(&self, ray: &Ray) -> Option<RayHit> {
         self.nearest_hit(ray, |_, _| true)
     }
@@ -128,8 +128,8 @@ impl Placed<'_> {
         Some(cast.hit(&first?))
     }
 
-    /// Calls `found` with where the ray meets faces, those in nearer boxes first. It returns the distance up to which to go
-    /// on; minus infinity ends the search. The result is `None` if the ray misses the box of the mesh.
+    /// Calls `found` with where the ray meets faces, those in nearer boxes first. It returns the distance up to which
+    /// to go on; minus infinity ends the search. The result is `None` if the ray misses the box of the mesh.
     fn visit<'c>(&'c self, ray: &'c Ray, found: &mut dyn FnMut(&Cast, Meeting) -> f64) -> Option<Cast<'c>> {
         let cast = Cast::new(self, ray, ray.way()?)?;
         let mut next = |triangle: usize, most: f64| {
@@ -147,8 +147,8 @@ struct Cast<'a> {
     ray: &'a Ray,
     /// Its unit direction in the world.
     way: DVec3,
-    /// From where it enters the box of the mesh. All triangles are tested from there, so that the distance to the mesh costs
-    /// no precision.
+    /// From where it enters the box of the mesh. All triangles are tested from there, so that the distance to the mesh
+    /// costs no precision.
     line: Line,
     /// The distance at which it enters, metres.
     enter: f64,
@@ -195,8 +195,8 @@ impl<'a> Cast<'a> {
         })
     }
 
-    /// Calls `hit` with the number of each triangle that the ray may hit and the distance up to which hits are wanted, at
-    /// first the length of the ray. It returns the next such distance.
+    /// Calls `hit` with the number of each triangle that the ray may hit and the distance up to which hits are wanted,
+    /// at first the length of the ray. It returns the next such distance.
     #[inline(always)]
     fn search<S: Simd>(&self, simd: S, hit: &mut impl FnMut(usize, f64) -> f64) {
         let mesh = self.placed.mesh();
@@ -222,8 +222,8 @@ impl<'a> Cast<'a> {
             #[inline(always)]
             |cluster| {
                 let first = cluster as usize * CLUSTER;
-                // In a large mesh memory takes most of the time. So the exact test does not wait for its triangle after this one
-                // has waited for the cluster.
+                // In a large mesh memory takes most of the time. So the exact test does not wait for its triangle after
+                // this one has waited for the cluster.
                 mesh.mesh.read_early(first);
                 for lane in bits(may_meet(simd, &lanes.clusters[cluster as usize], self.line.start, way)) {
                     most = hit(first + lane, most);

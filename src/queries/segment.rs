@@ -9,8 +9,8 @@ use glam::{DVec3, Vec3};
 /// How a segment lies beside the nearest surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentHit {
-    /// How far the segment is from the surface, metres. Negative if it is inside or passes through: how far it has to move along
-    /// `normal` to come out.
+    /// How far the segment is from the surface, metres. Negative if it is inside or passes through: how far it has to
+    /// move along `normal` to come out.
     pub distance: f64,
     /// A point of the surface, in the world.
     pub point: DVec3,
@@ -21,12 +21,12 @@ pub struct SegmentHit {
 }
 
 impl Placed<'_> {
-    /// The point of the surface that is nearest to a segment with these ends, if it is no farther than `max_distance` metres. A
-    /// capsule is a segment with a radius: it overlaps the mesh by its radius minus the distance.
+    /// The point of the surface that is nearest to a segment with these ends, if it is no farther than `max_distance`
+    /// metres. A capsule is a segment with a radius: it overlaps the mesh by its radius minus the distance.
     ///
-    /// * If the middle of the segment or both ends are inside a closed mesh, it comes out where the middle is nearest to the
-    ///   surface. If one end is inside, it comes out where that end is nearest to the surface; else where the middle of the
-    ///   longest part inside is. That may not be far enough for all of it: ask again from there.
+    /// * If the middle of the segment or both ends are inside a closed mesh, it comes out where the middle is nearest
+    ///   to the surface. If one end is inside, it comes out where that end is nearest to the surface; else where the
+    ///   middle of the longest part inside is. That may not be far enough for all of it: ask again from there.
     /// * If the segment passes through the surface of an open mesh, it comes out on the side of its middle.
     /// * There is none if a number is NaN, the distance negative, or an end not finite or farther than 10^18 m away.
     pub fn closest_to_segment(&self, ends: [DVec3; 2], max_distance: f64) -> Option<SegmentHit> {
@@ -92,7 +92,8 @@ impl Placed<'_> {
         })
     }
 
-    /// The middle of the longest part inside a closed mesh, of a segment whose ends are outside, in [`Placed::in_axes`].
+    /// The middle of the longest part inside a closed mesh, of a segment whose ends are outside, in
+    /// [`Placed::in_axes`].
     fn longest_part_inside(&self, ends: [DVec3; 2]) -> Option<DVec3> {
         if !self.mesh().mesh.is_solid() {
             return None;

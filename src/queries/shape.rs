@@ -6,11 +6,12 @@ use crate::geometry::shapes;
 use glam::{DQuat, DVec3, Vec3};
 use std::sync::LazyLock;
 
-/// A shape to ask with, in its own axes. A ball, a box, a capsule and a closed mesh are solid: they overlap what is inside
-/// them.
+/// A shape to ask with, in its own axes. A ball, a box, a capsule and a closed mesh are solid: they overlap what is
+/// inside them.
 ///
-/// A shape is valid if its numbers are finite, radii and lengths are not negative, half sizes are positive, and the scale
-/// does not make the mesh flat. The same holds for half sizes: the largest is at most a million times the smallest. Asked with a shape or a pose that is not valid, every query finds nothing.
+/// A shape is valid if its numbers are finite, radii and lengths are not negative, half sizes are positive, and the
+/// scale does not make the mesh flat. The same holds for half sizes: the largest is at most a million times the
+/// smallest. Asked with a shape or a pose that is not valid, every query finds nothing.
 #[derive(Clone, Copy, Debug)]
 pub enum QueryShape<'a> {
     /// A mesh with a scale along its own axes, which may mirror.
@@ -52,8 +53,8 @@ pub(super) struct Round {
 }
 
 impl<'a> QueryShape<'a> {
-    /// The axis-aligned bounding box of the shape with a pose: least and largest coordinates, metres. `None` if the shape or
-    /// the pose is not valid.
+    /// The axis-aligned bounding box of the shape with a pose: least and largest coordinates, metres. `None` if the
+    /// shape or the pose is not valid.
     pub fn bounding_box(&self, translation: DVec3, rotation: DQuat) -> Option<[DVec3; 2]> {
         Some(match self.placed(translation, rotation)? {
             PlacedShape::Mesh(mesh) => mesh.bounding_box(),

@@ -19,8 +19,8 @@ pub fn visit(
     survivors: impl Fn(&BoxGroup) -> u32,
     mut found: impl FnMut(u32) -> bool,
 ) -> bool {
-    // Not recursive, so that it is inlined into code for wider vectors. The group's number is the way to it, three bits per
-    // level; `rest` has what is yet to be visited of each group on the way. Above the tree is a group of one box.
+    // Not recursive, so that it is inlined into code for wider vectors. The group's number is the way to it, three bits
+    // per level; `rest` has what is yet to be visited of each group on the way. Above the tree is a group of one box.
     let mut rest = [0; MAX_LEVELS + 1];
     let (mut level, mut group, mut met) = (levels.len(), 0, 1u32);
     loop {
@@ -60,11 +60,11 @@ const MAX_OPEN: usize = 7 * MAX_LEVELS + 1;
 
 /// Visits a box tree, nearer boxes first.
 ///
-/// `bounds` gets eight boxes and the largest distance of interest. It returns a lower bound of the distance of each box, and
-/// one bit for each box to descend into. `found` is called with the number of each box of the lowest level, and returns the
-/// largest distance that is of interest from then on; minus infinity ends the visit. `early` is called with the numbers of
-/// several such boxes before the first of them is found: it may read what `found` will need, so that the waits for memory
-/// overlap.
+/// `bounds` gets eight boxes and the largest distance of interest. It returns a lower bound of the distance of each
+/// box, and one bit for each box to descend into. `found` is called with the number of each box of the lowest level,
+/// and returns the largest distance that is of interest from then on; minus infinity ends the visit. `early` is called
+/// with the numbers of several such boxes before the first of them is found: it may read what `found` will need, so
+/// that the waits for memory overlap.
 #[inline(always)]
 pub fn visit_nearest(
     levels: &[Vec<BoxGroup>],
@@ -90,8 +90,8 @@ pub fn visit_nearest(
         let level = node.level - 1;
         let (lower, met) = bounds(&levels[level as usize][node.number as usize], most);
         let first = open.len();
-        // In a large mesh the visit waits for memory, so what is below several boxes is asked for together. The upper levels
-        // are small, and in the cache.
+        // In a large mesh the visit waits for memory, so what is below several boxes is asked for together. The upper
+        // levels are small, and in the cache.
         if level <= 2 && met.count_ones() > 1 {
             for lane in bits(met) {
                 let number = 8 * node.number + lane as u32;
@@ -126,7 +126,8 @@ mod tests {
     use crate::geometry::lanes::{BoxGroup, box_levels};
     use glam::Vec3;
 
-    /// The numbers that a visit finds of a row of so many unit boxes, of those that begin before `before`. It stops after `most`.
+    /// The numbers that a visit finds of a row of so many unit boxes, of those that begin before `before`. It stops
+    /// after `most`.
     fn found(count: u32, before: f32, most: usize) -> (Vec<u32>, bool) {
         let boxes = (0..count).map(|i| Aabb::around([0.0, 1.0].map(|x| Vec3::splat(x) + Vec3::X * i as f32)));
         let (levels, _) = box_levels(boxes.collect());

@@ -7,8 +7,8 @@ use glam::DVec3;
 /// Relative rounding error of a product of three vectors in single precision.
 const ERROR: f32 = 4.0e-6;
 
-/// Lanes whose triangles the line through `start` along the unit vector `way` may meet, in the space of the mesh: its triple
-/// products with all three edges have the same sign.
+/// Lanes whose triangles the line through `start` along the unit vector `way` may meet, in the space of the mesh: its
+/// triple products with all three edges have the same sign.
 #[inline(always)]
 pub fn may_meet<S: Simd>(simd: S, cluster: &Cluster, start: DVec3, way: DVec3) -> u32 {
     // Relative to the point of the line that is nearest to the cluster, single precision is at its best.

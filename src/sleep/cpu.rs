@@ -105,10 +105,10 @@ impl Sleeper {
     /// Advances the rest times by a collision substep of `dt` seconds, and puts islands to sleep whose bodies all have
     /// been at rest for [`SolverSettings::sleep_time`].
     ///
-    /// A body is at rest if it goes nowhere, as `rest` tells, and overlaps nothing. Its velocity alone is not enough, because
-    /// the relax passes remove the velocity with which the bias passes push bodies apart. What touches nothing is at rest
-    /// only if it does not move at all. A body that was not at rest before this collision substep,
-    /// such as one that woke in it, stays awake until the next: it may have moved, so its contact points must be found anew.
+    /// A body is at rest if it goes nowhere, as `rest` tells, and overlaps nothing. Its velocity alone is not enough,
+    /// because the relax passes remove the velocity with which the bias passes push bodies apart. What touches nothing
+    /// is at rest only if it does not move at all. A body that was not at rest before this collision substep, such as
+    /// one that woke in it, stays awake until the next: it may have moved, so its contact points must be found anew.
     pub fn settle(&mut self, bodies: &mut SolverBodies, manifolds: &Manifolds, settings: &SolverSettings, dt: f32) {
         self.settle_each(bodies, manifolds, settings, |_| dt);
     }

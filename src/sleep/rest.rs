@@ -1,10 +1,11 @@
 //! Whether a body is at rest.
 //!
-//! It is noted how far a body goes and turns in each half of [`SolverSettings::sleep_time`]. At rest that is nearly nothing, and
-//! the same in two halves that follow each other: where they differ the body is accelerated, as on a slope that is a little
-//! steeper than its friction holds, or at the turning point of a swing. Ways and not speeds are compared, because what
-//! trembles in a pile stays where it is. What trembles so that the halves differ is watched for longer: an acceleration that
-//! goes on would take it away. All lengths are fractions of the size of the body, so that small ones behave as large ones do.
+//! It is noted how far a body goes and turns in each half of [`SolverSettings::sleep_time`]. At rest that is nearly
+//! nothing, and the same in two halves that follow each other: where they differ the body is accelerated, as on a slope
+//! that is a little steeper than its friction holds, or at the turning point of a swing. Ways and not speeds are
+//! compared, because what trembles in a pile stays where it is. What trembles so that the halves differ is watched for
+//! longer: an acceleration that goes on would take it away. All lengths are fractions of the size of the body, so that
+//! small ones behave as large ones do.
 //!
 //! The rest time tells how far this has come, in halves of the sleep time:
 //!

@@ -96,8 +96,8 @@ pub(super) struct PointLanes {
     pub search: [Stored; 3],
     /// Separation beyond the rest offset now.
     pub separation: Stored,
-    /// Relative velocity along the tangents by which the point drifts in a substep because its bodies rotate, and that of
-    /// the surfaces.
+    /// Relative velocity along the tangents by which the point drifts in a substep because its bodies rotate, and that
+    /// of the surfaces.
     pub drift: [Stored; 2],
     /// Relative velocity of the surfaces along the tangents, in addition to the velocity of the bodies.
     pub surface_speed: [Stored; 2],

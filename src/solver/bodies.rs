@@ -273,8 +273,8 @@ impl SolverBodies {
         self.keys.len()
     }
 
-    /// The acceleration of a body by the external force, m/s², and an upper bound of its angular acceleration by the external
-    /// torque, rad/s².
+    /// The acceleration of a body by the external force, m/s², and an upper bound of its angular acceleration by the
+    /// external torque, rad/s².
     pub(crate) fn accelerations(&self, i: usize) -> (Vec3, f32) {
         let body = &self.bodies[i];
         self.forces[i].accelerations(body.inverse_mass, &body.inverse_inertia)

@@ -74,7 +74,8 @@ impl BodyConstants {
     ) -> Self {
         let movable = mobility.has_impulses();
         let inverse = if movable { body.inverse_inertia } else { Mat3::ZERO };
-        // A singular inverse has no inertia tensor: the body cannot rotate about some axis. It rotates freely as if isotropic.
+        // A singular inverse has no inertia tensor: the body cannot rotate about some axis. It rotates freely as if
+        // isotropic.
         let inertia = inverted(inverse);
         let size = inverse.x_axis.x;
         let isotropic = (inverse - Mat3::from_diagonal(Vec3::splat(size))).abs_diff_eq(Mat3::ZERO, 1e-5 * size);

@@ -1,8 +1,8 @@
 //! Bundles: sets of islands that one task solves, batch by batch.
 //!
-//! The pairs of a large island fill the lanes of its batches: see [`colors`](super::colors). A small island has few pairs
-//! of one colour, often only one. So up to eight small islands are solved side by side, each in its own lane, with its
-//! pairs in the same order. The result has the same bits either way.
+//! The pairs of a large island fill the lanes of its batches: see [`colors`](super::colors). A small island has few
+//! pairs of one colour, often only one. So up to eight small islands are solved side by side, each in its own lane,
+//! with its pairs in the same order. The result has the same bits either way.
 
 use super::colors::{BatchSize, Colors, LANES};
 use super::islands::{Island, IslandPair};

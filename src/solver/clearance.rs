@@ -1,8 +1,8 @@
 //! Tight fits: surfaces on opposite sides of a body that leave less room than two rest offsets.
 //!
-//! A pin in its hole has points on both sides. If each kept the whole rest offset it would be pushed from both sides, and
-//! friction would hold it although it is loose. So opposite points share what room there is. The smooth surfaces of a pin and
-//! its hole bulge beyond their facets, and may leave less room than the meshes do. Then the meshes decide.
+//! A pin in its hole has points on both sides. If each kept the whole rest offset it would be pushed from both sides,
+//! and friction would hold it although it is loose. So opposite points share what room there is. The smooth surfaces of
+//! a pin and its hole bulge beyond their facets, and may leave less room than the meshes do. Then the meshes decide.
 
 use crate::state::ManifoldPoint;
 
@@ -22,8 +22,8 @@ pub(super) fn may_be_tight(points: &[ManifoldPoint]) -> bool {
         .any(|point| point.normal.dot(points[0].normal) < ALIKE)
 }
 
-/// The rest offset of a point of a pair with these points and this rest offset: half of the gap to each opposite point, if
-/// that is less. It is negative by up to the bulge where only the meshes leave room.
+/// The rest offset of a point of a pair with these points and this rest offset: half of the gap to each opposite point,
+/// if that is less. It is negative by up to the bulge where only the meshes leave room.
 pub(super) fn rest_offset(point: &ManifoldPoint, points: &[ManifoldPoint], rest_offset: f32) -> f32 {
     points
         .iter()

@@ -1,5 +1,5 @@
-//! Colours of an island's pairs: pairs of one colour have no body in common that impulses move, so they can be solved at
-//! once, in the lanes of batches.
+//! Colours of an island's pairs: pairs of one colour have no body in common that impulses move, so they can be solved
+//! at once, in the lanes of batches.
 //!
 //! Pairs with a body that impulses do not move have their own colours, which come last: first pairs with a moving one,
 //! then pairs with one that does not move. What is solved last is satisfied best, and nothing may be pressed through
@@ -121,7 +121,8 @@ impl Colors {
 mod tests {
     use super::*;
 
-    /// Sorts pairs of the slots 0 to `movable`, and of others. Each has as many points as its number modulo 5, plus one.
+    /// Sorts pairs of the slots 0 to `movable`, and of others. Each has as many points as its number modulo 5, plus
+    /// one.
     fn sorted(slots: &[[u32; 2]], movable: u32) -> (Vec<IslandPair>, Vec<BatchSize>) {
         let pairs = (0..).zip(slots);
         let pair = |(number, &slots): (u32, &[u32; 2])| IslandPair {
@@ -135,8 +136,8 @@ mod tests {
         (pairs, sizes)
     }
 
-    /// Requires that every pair is in one batch, that no batch moves a body twice, and that pairs with a body that does not
-    /// move come last.
+    /// Requires that every pair is in one batch, that no batch moves a body twice, and that pairs with a body that does
+    /// not move come last.
     fn check(slots: &[[u32; 2]], movable: u32) -> Vec<BatchSize> {
         let (pairs, sizes) = sorted(slots, movable);
         let mut numbers: Vec<u32> = pairs.iter().map(|pair| pair.number).collect();

@@ -22,8 +22,8 @@ pub(super) struct Pair {
     pub diameter: f32,
     /// The gap that the contact keeps, metres.
     pub rest_offset: f32,
-    /// The mass of the heavier body over that of the lighter one, if impulses move both, or if the lighter one is kinematic; 1
-    /// otherwise.
+    /// The mass of the heavier body over that of the lighter one, if impulses move both, or if the lighter one is
+    /// kinematic; 1 otherwise.
     pub mass_ratio: f32,
     /// How much softer its contact spring is than that of a pair with a static body; see
     /// [`softness`](super::softness::beside_kinematic).

@@ -7,8 +7,8 @@ use crate::simd::lanes::{Select, Simd, SimdBase, SimdFloat, bitmask, f32x8, load
 /// The friction impulses that stop the sliding at a point, clamped to the length `limit`.
 ///
 /// In passes with bias velocity a point is at rest in the mean of the substep: its drift counts as sliding. A body on a
-/// turntable moves straight on while what is below it moves along an arc. Otherwise it would creep out by 1 mm/s at 1 rad/s
-/// and 1 m/s.
+/// turntable moves straight on while what is below it moves along an arc. Otherwise it would creep out by 1 mm/s at 1
+/// rad/s and 1 m/s.
 #[inline(always)]
 pub(super) fn friction_impulse<S: Simd>(
     simd: S,

@@ -1,7 +1,8 @@
 //! External impulses, which change velocities at the beginning of a step.
 //!
-//! Margins, collision substeps and the pairs for continuous collision detection follow from the velocities of bodies. So
-//! impulses act before all of them: a bullet that an impulse fires is as fast for these stages as one with a velocity.
+//! Margins, collision substeps and the pairs for continuous collision detection follow from the velocities of bodies.
+//! So impulses act before all of them: a bullet that an impulse fires is as fast for these stages as one with a
+//! velocity.
 
 use super::adapter::{motion_of, properties_of};
 use super::motion::velocity_after;

@@ -84,8 +84,9 @@ struct Size {
 }
 
 impl Islands {
-    /// Sorts bodies and pairs into islands. `movers` are all bodies that are not static, ascending. `pairs` has the two bodies
-    /// of every pair that is to be solved, and `None` for others. Impulses must change the velocity of at least one of the two.
+    /// Sorts bodies and pairs into islands. `movers` are all bodies that are not static, ascending. `pairs` has the two
+    /// bodies of every pair that is to be solved, and `None` for others. Impulses must change the velocity of at least
+    /// one of the two.
     ///
     /// Islands of the same pace follow each other, those with more pairs first.
     pub fn build(

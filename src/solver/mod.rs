@@ -5,16 +5,17 @@
 //! runs relax passes that remove the velocity the bias added, and resolves impacts.
 //!
 //! Bodies that contacts connect form an island. A pass is projected Gauss-Seidel over the pairs of an island with an
-//! extrapolation between passes, until the velocities have converged; see `substep`. Islands are independent. Pairs of an
-//! island are coloured, and pairs of one colour, which have no body in common that impulses move, are solved at once.
+//! extrapolation between passes, until the velocities have converged; see `substep`. Islands are independent. Pairs of
+//! an island are coloured, and pairs of one colour, which have no body in common that impulses move, are solved at
+//! once.
 //!
 //! On the CPU an island is solved by one thread: its passes are so short that threads would wait for each other longer
 //! than they compute. It solves up to eight pairs at once, one in each lane of vector instructions; see `batch`. Small
-//! islands are solved side by side, each in a lane; see `bundles`. The result has the same bits for any number of threads
-//! and any set of vector instructions, and whatever other islands there are.
+//! islands are solved side by side, each in a lane; see `bundles`. The result has the same bits for any number of
+//! threads and any set of vector instructions, and whatever other islands there are.
 //!
-//! On the GPU an island is solved by one workgroup, in one dispatch. CPU and GPU visit pairs in another order, and so differ
-//! within the tolerance of convergence.
+//! On the GPU an island is solved by one workgroup, in one dispatch. CPU and GPU visit pairs in another order, and so
+//! differ within the tolerance of convergence.
 //!
 //! | file | contents |
 //! |---|---|

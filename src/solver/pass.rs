@@ -75,9 +75,9 @@ impl Pass {
         let fastest = depenetrating.select(deep, splat(simd, -self.max_depenetration_speed));
         let (spring_mass_scale, spring_impulse_scale) = self.spring(simd, batch);
         let driven = lanes(simd, batch.driven);
-        // Where a kinematic body moves, no constraint is rigid. A body that it squeezes against another one has no velocity
-        // that satisfies both contacts, and rigid constraints would push from both sides, with impulses that grow in each
-        // pass.
+        // Where a kinematic body moves, no constraint is rigid. A body that it squeezes against another one has no
+        // velocity that satisfies both contacts, and rigid constraints would push from both sides, with impulses that
+        // grow in each pass.
         let rigid_mass_scale = driven.select(splat(simd, self.softness.mass_scale), one);
         let rigid_impulse_scale = driven.select(splat(simd, self.softness.impulse_scale), zero);
         let mass_scale = depenetrating.select(rigid_mass_scale, spring_mass_scale);
@@ -146,8 +146,8 @@ impl Pass {
 
     /// The factors of springs at depths where they may push only with this fraction of their speed.
     ///
-    /// The force goes on growing with the depth. So a body that is squeezed between two others, which push it at the same
-    /// speed, overlaps both equally, whatever their kinds.
+    /// The force goes on growing with the depth. So a body that is squeezed between two others, which push it at the
+    /// same speed, overlaps both equally, whatever their kinds.
     #[inline(always)]
     fn deep_spring<S: Simd>(&self, simd: S, batch: &Batch, fraction: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
         let one = splat(simd, 1.0);

@@ -12,8 +12,8 @@ use crate::simd::lanes::{Select, Simd, SimdBase, bitmask, f32x8, lanes, load, sp
 /// Passes end when no normal velocity changes by more than this fraction of the speed of the fastest impact.
 pub(super) const TOLERANCE: f32 = 1.0e-5;
 
-/// Marks the points of a batch that have an impact faster than `threshold`, m/s, in this substep, and returns for each lane
-/// the speed of the fastest one that needs restitution; 0 if there is none. `before` are the velocities before the
+/// Marks the points of a batch that have an impact faster than `threshold`, m/s, in this substep, and returns for each
+/// lane the speed of the fastest one that needs restitution; 0 if there is none. `before` are the velocities before the
 /// impulses of the substep.
 #[inline(always)]
 pub(super) fn find_impacts<S: Simd>(

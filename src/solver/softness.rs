@@ -38,9 +38,10 @@ impl Softness {
 
 /// How much softer the contact spring of these bodies is than that of a static body and the movable one.
 ///
-/// The stiffness of a contact spring is proportional to the effective mass. A kinematic body counts with the mass that it
-/// would have if it were dynamic. Otherwise one of several equal supports would carry more than the others once it is
-/// kinematic: up to twice as much beside supports as heavy as their load, and nearly the whole load if that is heavy.
+/// The stiffness of a contact spring is proportional to the effective mass. A kinematic body counts with the mass that
+/// it would have if it were dynamic. Otherwise one of several equal supports would carry more than the others once it
+/// is kinematic: up to twice as much beside supports as heavy as their load, and nearly the whole load if that is
+/// heavy.
 pub(super) fn beside_kinematic(bodies: [&SolverBody; 2]) -> f32 {
     let softness = |kinematic: &SolverBody, other: &SolverBody| {
         (kinematic.kind == RigidBody::Kinematic && other.has_mass())

@@ -184,8 +184,8 @@ pub(super) fn solve<S: Simd>(
     residual
 }
 
-/// Moves the impulses of the lanes `live` on along the search direction. `keep` is the part of the last direction that the
-/// new one keeps.
+/// Moves the impulses of the lanes `live` on along the search direction. `keep` is the part of the last direction that
+/// the new one keeps.
 #[inline(always)]
 pub(super) fn extrapolate<S: Simd>(
     simd: S,

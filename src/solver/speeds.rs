@@ -58,8 +58,8 @@ impl Speeds {
         speeds
     }
 
-    /// Includes body `i`, if it is solid and needs collision substeps, with the speed that external forces give it within `dt`
-    /// seconds.
+    /// Includes body `i`, if it is solid and needs collision substeps, with the speed that external forces give it
+    /// within `dt` seconds.
     pub fn include(&mut self, bodies: &SolverBodies, i: usize, dt: f32) {
         if bodies.bodies[i].solid {
             self.include_velocity(bodies, i, dt);
@@ -80,8 +80,8 @@ impl Speeds {
         }
     }
 
-    /// Upper bound of the speed of the surface of body `i` relative to its centre of mass within `dt` seconds, m/s; 0 if it
-    /// needs no collision substeps.
+    /// Upper bound of the speed of the surface of body `i` relative to its centre of mass within `dt` seconds, m/s; 0
+    /// if it needs no collision substeps.
     pub fn spin_of(bodies: &SolverBodies, i: usize, dt: f32) -> f32 {
         let body = &bodies.bodies[i];
         if !body.moves() || body.continuous || bodies.sleep[i].asleep {

@@ -38,8 +38,8 @@ impl<S: Simd> PairVelocities<S> {
         }
     }
 
-    /// Velocities of the second bodies relative to the first along a row's directions. Along the normal they are positive
-    /// when the bodies separate.
+    /// Velocities of the second bodies relative to the first along a row's directions. Along the normal they are
+    /// positive when the bodies separate.
     #[inline(always)]
     pub fn along(&self, row: &RowLanes) -> f32x8<S> {
         let simd = self.apart[0].simd;

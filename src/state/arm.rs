@@ -13,9 +13,9 @@ use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 /// touch it, metres; no more than its bounding radius. `motion` bounds how far points of `j` move relative to the
 /// centre of mass of `i`.
 ///
-/// Points of `i` keep their distance from the axis. Seen along the axis, `j` lies in an octagon around it whose sides are
-/// at the support heights of `j`. No point of an octagon is farther from the axis than the farthest of the eight points
-/// in which two adjacent sides meet.
+/// Points of `i` keep their distance from the axis. Seen along the axis, `j` lies in an octagon around it whose sides
+/// are at the support heights of `j`. No point of an octagon is farther from the axis than the farthest of the eight
+/// points in which two adjacent sides meet.
 pub fn arm(bodies: &Bodies, meshes: &MeshArena, [i, j]: [u32; 2], motion: f32) -> f32 {
     let [own, other] = [i, j].map(|i| PlacedMesh::of(bodies, meshes, i));
     let Some(axis) = bodies.angular_velocity[i as usize].try_normalize() else {

@@ -1,5 +1,6 @@
-//! The colliders of a step, and the bodies that they form, as a structure of arrays. [`Bodies::push`] validates a collider
-//! and derives what follows from its pose and mesh; [`Bodies::join`](super::compound) makes one body of several.
+//! The colliders of a step, and the bodies that they form, as a structure of arrays. [`Bodies::push`] validates a
+//! collider and derives what follows from its pose and mesh; [`Bodies::join`](super::compound) makes one body of
+//! several.
 //!
 //! Most bodies have one collider, and both have the same number. A body with several colliders has the number of the
 //! first. Stages that look at surfaces work on colliders: the broad phase up to contact generation, and continuous
@@ -270,15 +271,16 @@ impl Bodies {
         self.keep_layout(0);
     }
 
-    /// Names the present numbers of all colliders, of which the first `same` are those of the layout before. Until the next call
-    /// colliders may only be [written again](Bodies::rewrite).
+    /// Names the present numbers of all colliders, of which the first `same` are those of the layout before. Until the
+    /// next call colliders may only be [written again](Bodies::rewrite).
     #[cfg(feature = "bevy")]
     pub(crate) fn keep_layout(&mut self, same: usize) {
         self.layout_before = (self.layout, same);
         self.layout = Revision::new();
     }
 
-    /// Lists the colliders that are not static, at the beginning of a step, unless they are known to be those of the last one.
+    /// Lists the colliders that are not static, at the beginning of a step, unless they are known to be those of the
+    /// last one.
     pub(crate) fn list_movers(&mut self) {
         if !self.revision.is_known() {
             let moves = |&i: &u32| self.kind[i as usize] != RigidBody::Static;
@@ -356,8 +358,8 @@ impl Bodies {
         self.travel_time.get(i).copied().unwrap_or(0.0)
     }
 
-    /// Upper bounds of the accelerations of a collider's surface by the external force and by the external torque on its body,
-    /// m/s².
+    /// Upper bounds of the accelerations of a collider's surface by the external force and by the external torque on
+    /// its body, m/s².
     pub(crate) fn surface_accelerations(&self, i: usize) -> [f32; 2] {
         self.surface_response(i, self.forces_on(i))
     }
@@ -411,7 +413,8 @@ impl Bodies {
         }
     }
 
-    /// Sets pose and velocities of collider `i`, which must be a body by itself. Values derived from the pose are not updated.
+    /// Sets pose and velocities of collider `i`, which must be a body by itself. Values derived from the pose are not
+    /// updated.
     pub fn set_motion(&mut self, i: usize, motion: &Motion) {
         self.position[i] = motion.position;
         self.rotation[i] = motion.rotation;
@@ -419,8 +422,8 @@ impl Bodies {
         self.angular_velocity[i] = motion.angular_velocity;
     }
 
-    /// Validates `body`, derives what follows from its pose and mesh, and appends it: a collider that is a body by itself,
-    /// until [`Bodies::join`](super::compound) joins it with others.
+    /// Validates `body`, derives what follows from its pose and mesh, and appends it: a collider that is a body by
+    /// itself, until [`Bodies::join`](super::compound) joins it with others.
     pub fn push(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         let row = self.row(self.len(), body, meshes, true)?;
         self.push_row(row);

@@ -71,7 +71,8 @@ pub(super) fn check_collider(body: &Body) -> Result<(), BodyFault> {
 
 /// Validates rotation and scale of a mesh. Returns the unit rotation, the scale and the scaled radius.
 ///
-/// Along an axis on which all of the mesh is at 0 any scale gives the same shape, so a scale of 0 counts as the largest of the others.
+/// Along an axis on which all of the mesh is at 0 any scale gives the same shape, so a scale of 0 counts as the largest
+/// of the others.
 pub(crate) fn check_pose(mesh: &CollisionMesh, rotation: DQuat, scale: Vec3) -> Result<(DQuat, Vec3, f32), BodyFault> {
     check_rotation(rotation)?;
     let largest = scale.abs().max_element();

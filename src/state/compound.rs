@@ -257,8 +257,8 @@ impl Bodies {
         }
     }
 
-    /// Sets poses and velocities of all colliders, which are followed by those of compounds. Values derived from the poses
-    /// of bodies of one collider are not updated.
+    /// Sets poses and velocities of all colliders, which are followed by those of compounds. Values derived from the
+    /// poses of bodies of one collider are not updated.
     pub fn set_motions(&mut self, motions: &[Motion]) {
         let (colliders, compounds) = motions.split_at(self.len().min(motions.len()));
         for (i, motion) in colliders.iter().enumerate() {

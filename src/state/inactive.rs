@@ -51,7 +51,8 @@ impl InactiveBodies {
         self.has_active_static |= !are_same;
     }
 
-    /// Sets the new indices of the bodies of the last collision substep from index `same` on; none if all are unchanged.
+    /// Sets the new indices of the bodies of the last collision substep from index `same` on; none if all are
+    /// unchanged.
     pub fn set_numbers(&mut self, same: usize, numbers: Vec<u32>) {
         (self.same, self.numbers) = (same, numbers);
     }
@@ -85,8 +86,8 @@ impl InactiveBodies {
         }
     }
 
-    /// Advances to the next collision substep of the same step, in which bodies keep their indices. What is fixed or has
-    /// completed its step becomes inactive. `movers` are all bodies that are not static.
+    /// Advances to the next collision substep of the same step, in which bodies keep their indices. What is fixed or
+    /// has completed its step becomes inactive. `movers` are all bodies that are not static.
     pub fn advance(
         &mut self,
         movers: impl Iterator<Item = usize>,

@@ -18,8 +18,8 @@ pub struct Manifold {
 /// A contact point.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ManifoldPoint {
-    /// Anchors: the point on each collider's surface relative to its body's centre of mass, in world axes, metres. Where a
-    /// finely tessellated curved surface touches, the anchor lies on the smooth surface through its vertices.
+    /// Anchors: the point on each collider's surface relative to its body's centre of mass, in world axes, metres.
+    /// Where a finely tessellated curved surface touches, the anchor lies on the smooth surface through its vertices.
     pub anchors: [Vec3; 2],
     /// Unit vector from the first body to the second. Between finely tessellated surfaces that are convex in all
     /// directions it is the normal of the smooth surfaces, on the line between their centres of curvature.
@@ -27,14 +27,14 @@ pub struct ManifoldPoint {
     /// Signed distance of the meshes along the normal, metres; negative where the bodies overlap. On a plane, the
     /// distance of the smooth surface.
     pub separation: f32,
-    /// By how much the smooth surfaces are nearer to each other than `separation` tells, metres; 0 for other surfaces. The
-    /// solver keeps the smooth surfaces apart.
+    /// By how much the smooth surfaces are nearer to each other than `separation` tells, metres; 0 for other surfaces.
+    /// The solver keeps the smooth surfaces apart.
     #[serde(default)]
     pub bulge: f32,
-    /// Radius of curvature of each body's surface at its anchor, metres, in the direction in which the body rolls: 0 at a
-    /// vertex or crease, infinite where the surface is flat. As the body rotates, the solver keeps the anchor below the
-    /// centre of curvature: the contact of a rolling ball stays below its centre, and the contact of a corner rotates
-    /// with the corner.
+    /// Radius of curvature of each body's surface at its anchor, metres, in the direction in which the body rolls: 0 at
+    /// a vertex or crease, infinite where the surface is flat. As the body rotates, the solver keeps the anchor below
+    /// the centre of curvature: the contact of a rolling ball stays below its centre, and the contact of a corner
+    /// rotates with the corner.
     #[serde(with = "infinite_as_none")]
     pub curvature_radii: [f32; 2],
     /// Rotation of the normal per distance that the smooth surfaces slide along each other, rad/m, from the largest

@@ -3,8 +3,8 @@
 //!
 //! A pair's margin follows the relative velocity of its bodies, so bodies that move together have none from motion. The
 //! speed of rotation counts where the other body may touch. The margin is capped at twice the thickness of the thinner
-//! body; fast bodies get more collision substeps instead. If a third body changes the motion of one of the two, the next
-//! collision substep accounts for it.
+//! body; fast bodies get more collision substeps instead. If a third body changes the motion of one of the two, the
+//! next collision substep accounts for it.
 
 use super::arm::arm;
 use super::mesh_arena::MeshArena;
@@ -137,7 +137,8 @@ fn relative_speed(bodies: &Bodies, pair: [u32; 2]) -> f32 {
     (w - v).length()
 }
 
-/// Upper bound of the speed that rotation, gravity and external forces add to a body's surface within `dt` seconds, m/s.
+/// Upper bound of the speed that rotation, gravity and external forces add to a body's surface within `dt` seconds,
+/// m/s.
 pub(crate) fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f32 {
     sway_at(bodies, config, i, dt, bodies.radius[i])
 }

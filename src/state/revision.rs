@@ -2,8 +2,8 @@
 
 use std::num::NonZeroU64;
 
-/// Names a state of all static colliders. Where two are [the same](Revision::is), no static collider has come, gone, moved or
-/// changed, and every collider has kept its number.
+/// Names a state of all static colliders. Where two are [the same](Revision::is), no static collider has come, gone,
+/// moved or changed, and every collider has kept its number.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Revision(Option<NonZeroU64>);
 

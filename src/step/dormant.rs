@@ -308,8 +308,8 @@ impl Dormant {
         self.contacts.select(first_plane, |pair| pair.iter().any(has))
     }
 
-    /// Notes which bodies are still at the beginning of a step. None may become dormant in a step with hooks, or in which bodies
-    /// may wake and fall asleep again.
+    /// Notes which bodies are still at the beginning of a step. None may become dormant in a step with hooks, or in
+    /// which bodies may wake and fall asleep again.
     pub fn watch(&mut self, input: &StepInput, solver_bodies: &SolverBodies, inactive: &InactiveBodies) {
         let StepInput {
             config, bodies, planes, ..

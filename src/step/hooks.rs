@@ -8,8 +8,8 @@ use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::material::CombineRule;
 use crate::types::settings::Response;
 
-/// Decisions of a caller about pairs with [`ActiveCollisionHooks`]. They are called on the CPU, one after another, in the
-/// order of pairs. Colliders have their numbers; plane `i` has the number `bodies.len() + i` and comes second.
+/// Decisions of a caller about pairs with [`ActiveCollisionHooks`]. They are called on the CPU, one after another, in
+/// the order of pairs. Colliders have their numbers; plane `i` has the number `bodies.len() + i` and comes second.
 ///
 /// Results depend on the answers alone. For the same bits in every run, answer the same for the same state.
 pub trait StepHooks: Send {
@@ -70,8 +70,8 @@ impl LeftOut {
     }
 }
 
-/// Leaves out pairs by the filter in collision substep `number`. A sleeping body wakes if the answer about one of its pairs
-/// has changed since the last step.
+/// Leaves out pairs by the filter in collision substep `number`. A sleeping body wakes if the answer about one of its
+/// pairs has changed since the last step.
 pub(super) fn filter_pairs(step: &mut StepState, number: u32, hooks: &mut dyn StepHooks) {
     let StepState {
         input,

@@ -2,8 +2,8 @@
 //!
 //! Bodies whose spheres, swept over the whole step, overlap form a group; what is static joins nothing. Each group
 //! needs the number that its own speeds and its thinnest body ask for, and a body that can meet nothing needs one,
-//! however fast or thin it is. So a bullet in flight far away costs nothing. The speed of a body's rotation counts where
-//! others may touch it, so that a nut that turns about its bolt needs no more than its thread does. Groups with
+//! however fast or thin it is. So a bullet in flight far away costs nothing. The speed of a body's rotation counts
+//! where others may touch it, so that a nut that turns about its bolt needs no more than its thread does. Groups with
 //! different numbers must stay apart for the whole step, see [`territories`](super::territories).
 
 use super::dormant::{Dormant, MetColliders};

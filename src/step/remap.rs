@@ -1,7 +1,7 @@
 //! Body remap: the numbers of bodies in the last step and in this one.
 //!
-//! Bodies are renumbered in every step, but their keys stay the same. [`StepMemory`](super::StepMemory) and the GPU's memory
-//! match them.
+//! Bodies are renumbered in every step, but their keys stay the same. [`StepMemory`](super::StepMemory) and the GPU's
+//! memory match them.
 
 use crate::state::inactive::GONE;
 

@@ -59,8 +59,8 @@ pub struct StepScratch {
 }
 
 impl StepScratch {
-    /// Returns memory that depends on what pairs of bodies had in common, if it is old. Called before every step, also one
-    /// on a device: steps on the CPU may be long ago.
+    /// Returns memory that depends on what pairs of bodies had in common, if it is old. Called before every step, also
+    /// one on a device: steps on the CPU may be long ago.
     pub(crate) fn age(&mut self, results: &mut StepResults) {
         self.age += 1;
         if self.age == LIFETIME {

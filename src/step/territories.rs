@@ -1,10 +1,10 @@
 //! Keeps groups with different numbers of collision substeps apart.
 //!
 //! Such groups are at different times of the step while it runs: one may have completed it while another has begun. So
-//! their bodies must not come near each other at any time. The territory of a group is a box around all places that
-//! its bodies may reach, even if impulses within the group turn and speed them up. Groups whose territories overlap are
-//! joined, unless both have the same number. A group that sleeps moves only after another has crossed the gap between them,
-//! so it reaches only as far as the rest of the other's way. The twin on a GPU gives it the whole way.
+//! their bodies must not come near each other at any time. The territory of a group is a box around all places that its
+//! bodies may reach, even if impulses within the group turn and speed them up. Groups whose territories overlap are
+//! joined, unless both have the same number. A group that sleeps moves only after another has crossed the gap between
+//! them, so it reaches only as far as the rest of the other's way. The twin on a GPU gives it the whole way.
 
 use super::reach::{Meeting, Sweep};
 use crate::geometry::union_find::UnionFind;

@@ -70,7 +70,8 @@ const TASK: usize = 16;
 /// `planes`, if the pair is `wanted`. `manifolds` are those of the last collision substep, in which inactive pairs
 /// touch as now. Pairs for which `is_apart` holds do not touch.
 ///
-/// Returns the number of intersecting faces. If it exceeds the `limit`, the test ends early and leaves `contacts` empty.
+/// Returns the number of intersecting faces. If it exceeds the `limit`, the test ends early and leaves `contacts`
+/// empty.
 pub(crate) fn run(
     bodies: &Bodies,
     meshes: &MeshArena,

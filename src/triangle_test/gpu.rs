@@ -10,9 +10,9 @@
 //! | join | pair | the contacts of large pairs |
 //! | number hits | (face pair) | their numbers within their pair |
 //!
-//! In a round a workgroup opens a pair of nodes or tests 64 pairs of triangles. A piece takes at most 129 rounds, or 8,321 with
-//! the larger nodes; a pair that is not split at most 133,200. `benches/results/gpu.md` says how
-//! long that is.
+//! In a round a workgroup opens a pair of nodes or tests 64 pairs of triangles. A piece takes at most 129 rounds, or
+//! 8,321 with the larger nodes; a pair that is not split at most 133,200. `benches/results/gpu.md` says how long that
+//! is.
 //!
 //! Tests have error bounds, as on the CPU. Where single precision cannot decide, the triangles count as touching unless
 //! a separating plane is found, because GPUs lack fast double precision. So no contact is missed, but faces

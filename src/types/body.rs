@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 /// How a body moves.
 ///
 /// A body is an entity with a `RigidBody`. Its shape consists of the
-/// [`MeshCollider`](crate::plugin::components::MeshCollider)s on it and on its descendants, down to the next `RigidBody`.
-/// Mass, centre of mass and inertia add up, and colliders of one body never collide with each other. A collider without a
-/// `RigidBody` on it or above it is static.
+/// [`MeshCollider`](crate::plugin::components::MeshCollider)s on it and on its descendants, down to the next
+/// `RigidBody`. Mass, centre of mass and inertia add up, and colliders of one body never collide with each other. A
+/// collider without a `RigidBody` on it or above it is static.
 ///
 /// A body may be anywhere in the hierarchy. A dynamic body keeps its pose in the world when what is above it moves: the
 /// step writes its `Transform` so that its `GlobalTransform` is right. A kinematic or static body follows what is above
-/// it. Scale counts, also where it is unequal. Where an unequal scale above a turned collider shears its mesh, it gets a copy of
-/// the mesh with the shear, baked in the background and shared by all colliders with the same shear.
+/// it. Scale counts, also where it is unequal. Where an unequal scale above a turned collider shears its mesh, it gets
+/// a copy of the mesh with the shear, baked in the background and shared by all colliders with the same shear.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -54,18 +54,18 @@ pub enum RigidBody {
     Dynamic,
     /// Moved by the game. It pushes dynamic bodies and is never pushed. There are two ways:
     ///
-    /// * **By its velocity**, while [`LinearVelocity`] or [`AngularVelocity`] is not zero. Like every body it rotates about
-    ///   its centre of mass. A written `Transform` places it.
-    /// * **By its `Transform`**, while no velocity is set: a lift, a door that turns about its hinge, an animated part of a
-    ///   scene. In the next step it goes from its last pose to the new one, and with
-    ///   [`Response::Contacts`](crate::types::settings::Response::Contacts) its contacts have the velocity of that move. At
-    ///   the end of the step it is exactly where it was put. Write the `Transform`, or that of an entity above it, in
-    ///   `FixedUpdate`: in `Update` a frame may have no step or several, and the velocity jerks. To place it without a
-    ///   velocity insert [`Teleport`](crate::plugin::components::Teleport) too. Sensors are always placed.
+    /// * **By its velocity**, while [`LinearVelocity`] or [`AngularVelocity`] is not zero. Like every body it rotates
+    ///   about its centre of mass. A written `Transform` places it.
+    /// * **By its `Transform`**, while no velocity is set: a lift, a door that turns about its hinge, an animated part
+    ///   of a scene. In the next step it goes from its last pose to the new one, and with
+    ///   [`Response::Contacts`](crate::types::settings::Response::Contacts) its contacts have the velocity of that
+    ///   move. At the end of the step it is exactly where it was put. Write the `Transform`, or that of an entity above
+    ///   it, in `FixedUpdate`: in `Update` a frame may have no step or several, and the velocity jerks. To place it
+    ///   without a velocity insert [`Teleport`](crate::plugin::components::Teleport) too. Sensors are always placed.
     ///
-    ///   After the step [`LinearVelocity`] and [`AngularVelocity`] hold the velocity of that move, and zero when it stands
-    ///   still. They do not move it again: only another value sets a velocity. If it becomes dynamic, it goes on with them. A
-    ///   scene that is saved while it moves has them as its velocity, unless a
+    ///   After the step [`LinearVelocity`] and [`AngularVelocity`] hold the velocity of that move, and zero when it
+    ///   stands still. They do not move it again: only another value sets a velocity. If it becomes dynamic, it goes on
+    ///   with them. A scene that is saved while it moves has them as its velocity, unless a
     ///   [`Snapshot`](crate::plugin::snapshot::Snapshot) is restored too.
     Kinematic,
     /// Never moved by the step.
@@ -90,8 +90,9 @@ pub struct LinearVelocity(pub Vec3);
 )]
 pub struct AngularVelocity(pub Vec3);
 
-/// Overrides the centre of mass of a body, in the coordinates of its entity: before its `Transform` is applied. The inertia
-/// is that of its colliders about this point. Without this component the centre of mass is that of the colliders.
+/// Overrides the centre of mass of a body, in the coordinates of its entity: before its `Transform` is applied. The
+/// inertia is that of its colliders about this point. Without this component the centre of mass is that of the
+/// colliders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
@@ -142,7 +143,8 @@ impl ComputedCenterOfMass {
 /// A body wakes, together with its island, when
 /// * it is moved, touched, or given a velocity, a force or an impulse,
 /// * a body that it touches moves, changes its shape or is removed,
-/// * its shape, its [`GravityScale`](crate::plugin::components::GravityScale), its [`LockedAxes`] or [`Gravity`](crate::plugin::settings::Gravity) changes,
+/// * its shape, its [`GravityScale`](crate::plugin::components::GravityScale), its [`LockedAxes`] or
+///   [`Gravity`](crate::plugin::settings::Gravity) changes,
 /// * this component is set to false. Setting it to true has no effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
@@ -155,8 +157,9 @@ pub struct Sleeping(pub bool);
 /// External forces and impulses on a body, in addition to gravity. Insert it beside the [`RigidBody`], which does not
 /// require it.
 ///
-/// Forces act until you change them. Impulses act once: the next step applies them and sets them to zero. However large they are,
-/// a body becomes no faster than its [`MaxLinearSpeed`](crate::plugin::components::MaxLinearSpeed), and than 1e9 m/s.
+/// Forces act until you change them. Impulses act once: the next step applies them and sets them to zero. However large
+/// they are, a body becomes no faster than its [`MaxLinearSpeed`](crate::plugin::components::MaxLinearSpeed), and than
+/// 1e9 m/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
@@ -189,8 +192,8 @@ impl ExternalForces {
         self.angular_impulse += (point - center).cross(impulse);
     }
 
-    /// The acceleration of the centre of mass by the force, m/s², and an upper bound of the angular acceleration by the torque,
-    /// rad/s². The inverse inertia tensor may be in any axes.
+    /// The acceleration of the centre of mass by the force, m/s², and an upper bound of the angular acceleration by the
+    /// torque, rad/s². The inverse inertia tensor may be in any axes.
     pub(crate) fn accelerations(&self, inverse_mass: f32, inverse_inertia: &Mat3) -> (Vec3, f32) {
         // No vector grows by more than the Frobenius norm.
         let Mat3 { x_axis, y_axis, z_axis } = inverse_inertia;
@@ -319,7 +322,8 @@ impl std::ops::BitOr for LockedAxes {
 
 /// Which colliders may collide. Two collide if each is in a layer that the other one's filter contains.
 ///
-/// A collider without this component has that of its body. By default a collider is in layer 0 and collides with all layers.
+/// A collider without this component has that of its body. By default a collider is in layer 0 and collides with all
+/// layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",

@@ -5,8 +5,8 @@ use std::fmt;
 /// The feature of a mesh at a contact point, packed into 32 bits.
 ///
 /// If the ids of two points of the same pair agree on both sides, the second one is the first one at a later time. The
-/// ids of a mesh depend only on the source mesh and its bake settings, not on its pose, on the other body, or on the run
-/// of the program. Those of overlaps are different: see [`FeatureKind::Overlap`]. No id is zero.
+/// ids of a mesh depend only on the source mesh and its bake settings, not on its pose, on the other body, or on the
+/// run of the program. Those of overlaps are different: see [`FeatureKind::Overlap`]. No id is zero.
 ///
 /// An index has 28 bits. In a mesh with more than 89 million faces different features may have the same id.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -25,8 +25,8 @@ pub struct GpuWork {
     pub read_back_bytes: u64,
     /// Size of all buffers after the step, bytes.
     pub memory_bytes: u64,
-    /// Number of batches in which contact points were made of the pairs: more than one if there are hundreds of thousands of
-    /// pairs near each other. Their lists share memory. None with
+    /// Number of batches in which contact points were made of the pairs: more than one if there are hundreds of
+    /// thousands of pairs near each other. Their lists share memory. None with
     /// [`Response::Impulse`](crate::types::settings::Response::Impulse).
     pub batches: u32,
     /// The lists whose length is known on the GPU only.
@@ -55,8 +55,8 @@ impl GpuWork {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub struct GpuLists {
-    /// Pairs of bodies whose bounding spheres overlap. If several collision substeps may be needed, the list first holds the
-    /// pairs that can meet within the step.
+    /// Pairs of bodies whose bounding spheres overlap. If several collision substeps may be needed, the list first
+    /// holds the pairs that can meet within the step.
     pub sphere_pairs: GpuList,
     /// Intersecting face pairs.
     pub face_pairs: GpuList,

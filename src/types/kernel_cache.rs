@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
-/// Where compiled kernels are kept on disk, so that the next start does not compile them again. Used for a device that the
-/// plugin opens itself, through Vulkan.
+/// Where compiled kernels are kept on disk, so that the next start does not compile them again. Used for a device that
+/// the plugin opens itself, through Vulkan.
 ///
 /// The file is named after the adapter. One that is damaged, or comes from another driver, is ignored and replaced. A
 /// folder that cannot be written costs a debug message and nothing else. Many drivers for desktops keep such files
 /// themselves; then this saves little.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum KernelCache {
-    /// In the folder `bevy_faceoff` of the user's cache directory: `XDG_CACHE_HOME` or `~/.cache`, on Windows `LOCALAPPDATA`.
+    /// In the folder `bevy_faceoff` of the user's cache directory: `XDG_CACHE_HOME` or `~/.cache`, on Windows
+    /// `LOCALAPPDATA`.
     #[default]
     User,
     /// In this folder, which is created if needed.

@@ -18,8 +18,8 @@ pub enum Response {
     ///
     /// For triggers, and for a solver of your own: see
     /// [`Collisions::manifolds`](crate::plugin::collisions::Collisions::manifolds). Mass, damping, speed limits,
-    /// [`LockedAxes`](crate::types::body::LockedAxes), [`ExternalForces`](crate::types::body::ExternalForces), continuous
-    /// collision and sleep have no effect.
+    /// [`LockedAxes`](crate::types::body::LockedAxes), [`ExternalForces`](crate::types::body::ExternalForces),
+    /// continuous collision and sleep have no effect.
     None,
     /// Each touching pair gets one impulse per step against its closing velocity, with the mean
     /// [`Restitution`](crate::types::material::Restitution). For swarms of thousands of bodies that bounce off each

@@ -32,8 +32,8 @@ pub struct SolverSettings {
     /// Smallest number of passes over all pairs per substep with a bias velocity that pushes overlapping bodies apart.
     /// Default 2.
     pub bias_iterations: u32,
-    /// Smallest number of passes per substep without bias velocity, after the bodies have moved. They remove the velocity
-    /// that the bias added. Default 2. Without them chains break.
+    /// Smallest number of passes per substep without bias velocity, after the bodies have moved. They remove the
+    /// velocity that the bias added. Default 2. Without them chains break.
     pub relax_iterations: u32,
     /// Most passes of either kind. Default 64. Small islands get as many as they need to converge, large
     /// ones fewer, and on a GPU those under heavy loads too.
@@ -80,9 +80,9 @@ pub struct SolverSettings {
     /// How far two surfaces may move relative to each other in one collision substep, as a fraction of the thickness of
     /// the thinnest body. Faster bodies cause more collision substeps.
     ///
-    /// Default 0.25: contacts are searched for again before a surface has moved by a quarter of the thinnest body's thickness,
-    /// also if a third body has deflected it. The contact points of two bodies that overlap deeply are found anew after
-    /// twice this distance, or in the next step.
+    /// Default 0.25: contacts are searched for again before a surface has moved by a quarter of the thinnest body's
+    /// thickness, also if a third body has deflected it. The contact points of two bodies that overlap deeply are found
+    /// anew after twice this distance, or in the next step.
     pub collision_substep_travel: f32,
     /// Largest number of collision substeps per step. Default 8, at most [`MAX_COLLISION_SUBSTEPS`].
     pub max_collision_substeps: u32,
@@ -93,10 +93,10 @@ pub struct SolverSettings {
     /// How long all bodies of an island must be at rest before they sleep, in seconds. Default 0.5: longer than a
     /// thrown body is slow at the top of its path. However short, it takes two collision substeps.
     ///
-    /// A body is at rest if it goes nearly nowhere, however slow it is: in half of this time less than 0.1 % of its bounding
-    /// diameter (of 2 m, if that is less), and in the second half as far as in the first. It is watched for three times as
-    /// long if the halves differ by more than 0.02 % and it does not slow down. What touches nothing is at rest only if it
-    /// does not move.
+    /// A body is at rest if it goes nearly nowhere, however slow it is: in half of this time less than 0.1 % of its
+    /// bounding diameter (of 2 m, if that is less), and in the second half as far as in the first. It is watched for
+    /// three times as long if the halves differ by more than 0.02 % and it does not slow down. What touches nothing is
+    /// at rest only if it does not move.
     pub sleep_time: f32,
 }
 

@@ -38,8 +38,8 @@ fn on_a_ring(corner: i32) -> [f32; 3] {
     [4.0 * x + y, 3.0 * y, x - 2.0 * y]
 }
 
-/// Random text of an OBJ file with objects `a`, `b` and so on: convex polygons of 1 to 7 corners of every form, with indices
-/// that count from the start or back.
+/// Random text of an OBJ file with objects `a`, `b` and so on: convex polygons of 1 to 7 corners of every form, with
+/// indices that count from the start or back.
 fn random_obj(random: &mut Rng) -> String {
     let mut text = String::from("# made by a test\nmtllib none.mtl\nvt 0 0\nvt 1 0\nvn 0 0 1\n");
     let mut vertices = 0;

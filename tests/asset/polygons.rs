@@ -6,8 +6,8 @@ use bevy_faceoff::queries::{Check, CheckOptions, Placement};
 use glam::{Quat, Vec3};
 use std::fmt::Write;
 
-/// A polygon of the plane z = 0, counter-clockwise, and its copy at z = 1, with walls between them. The polygons begin with this
-/// corner.
+/// A polygon of the plane z = 0, counter-clockwise, and its copy at z = 1, with walls between them. The polygons begin
+/// with this corner.
 fn prism(outline: &[[f32; 2]], first: usize) -> (Vec<Vec3>, Vec<Vec<usize>>) {
     let count = outline.len();
     let level = |z| outline.iter().map(move |&[x, y]| Vec3::new(x, y, z));

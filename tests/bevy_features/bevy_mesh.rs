@@ -92,7 +92,8 @@ fn strips_and_shapes_of_bevy() {
     );
 }
 
-/// Bevy closes its round shapes at corners that differ in their last bits. Volumes are those of the shapes as they are cut.
+/// Bevy closes its round shapes at corners that differ in their last bits. Volumes are those of the shapes as they are
+/// cut.
 #[test]
 fn round_shapes_of_bevy_are_closed_and_weigh_what_they_hold() {
     use std::f64::consts::{PI, TAU};

@@ -325,7 +325,8 @@ fn a_sheared_collider_is_left_out_until_its_copy_is_baked() {
     assert!(lines.points().all(|point| is_one_of(point, &corners)));
 }
 
-/// The length of the diagonal of a body that turns below a stretched entity. In the step a body does not change its shape.
+/// The length of the diagonal of a body that turns below a stretched entity. In the step a body does not change its
+/// shape.
 #[test]
 fn a_body_that_turns_below_a_stretched_entity_keeps_its_shape() {
     let mut app = app(true);

@@ -129,8 +129,8 @@ fn run(sim: &mut Sim, steps: usize) {
     }
 }
 
-/// Tori and rings in a heap on the ground, a body of two colliders, a body below another entity, a sensor, casters, and a
-/// character on a lift.
+/// Tori and rings in a heap on the ground, a body of two colliders, a body below another entity, a sensor, casters, and
+/// a character on a lift.
 fn spawn_all(sim: &mut Sim, [cube, torus, ring]: &[MeshCollider; 3]) {
     sim.world().insert_resource(Gravity(Vec3::NEG_Y * 5.0));
     sim.world().insert_resource(SolverSettings {

@@ -1,5 +1,5 @@
-//! `faceoff bake` of a library of 200 meshes: one run, shards, processes side by side, and after a kill, all with the same
-//! bytes.
+//! `faceoff bake` of a library of 200 meshes: one run, shards, processes side by side, and after a kill, all with the
+//! same bytes.
 
 use crate::Folder;
 use crate::library::{cube, files, json, names, torus};

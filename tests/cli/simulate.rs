@@ -330,7 +330,8 @@ fn without_an_adapter_a_gpu_is_an_error_and_the_default_a_run_on_the_cpu() {
     assert!(run("auto").status.success());
 }
 
-/// Mesa complains that XDG_RUNTIME_DIR is missing whenever it is asked for adapters, so that nobody may ask for nothing.
+/// Mesa complains that XDG_RUNTIME_DIR is missing whenever it is asked for adapters, so that nobody may ask for
+/// nothing.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_gpu_and_a_desktop_standard_error_stays_empty() {

@@ -200,7 +200,8 @@ pub fn resting(mesh: &MeshCollider, position: Vec3) -> impl Bundle + use<> {
     (RigidBody::Dynamic, mesh.clone(), Transform::from_translation(position))
 }
 
-/// Its place in the order of collisions, if it has no stable key: that of spawning, for entities that replace no others.
+/// Its place in the order of collisions, if it has no stable key: that of spawning, for entities that replace no
+/// others.
 pub fn place(entity: &Entity) -> u64 {
     entity.to_bits() ^ u64::from(u32::MAX)
 }

@@ -95,8 +95,8 @@ impl Gltf {
         node
     }
 
-    /// The document as Bevy's loader accepts it. That one is stricter than ours: materials and normals have to be right,
-    /// or absent, and positions need bounds.
+    /// The document as Bevy's loader accepts it. That one is stricter than ours: materials and normals have to be
+    /// right, or absent, and positions need bounds.
     pub fn for_bevy(mut self) -> Self {
         let bin = &self.bin;
         let views = self.json["bufferViews"].clone();

@@ -1,8 +1,8 @@
 //! The harness of tests that need a GPU, real or emulated on the CPU as by Mesa's lavapipe.
 //!
 //! Without one every test is reported as *ignored*, or fails where one is required: see `no_device.rs`. The device is
-//! opened once per thread. Two tests run at a time unless configured otherwise: lavapipe uses all cores for a large dispatch,
-//! but one for small ones and to compile kernels.
+//! opened once per thread. Two tests run at a time unless configured otherwise: lavapipe uses all cores for a large
+//! dispatch, but one for small ones and to compile kernels.
 
 #![allow(dead_code)]
 

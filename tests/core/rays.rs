@@ -20,7 +20,8 @@ fn meshes() -> [(&'static str, TriMesh); 5] {
 struct Meeting {
     distance: f64,
     face: u32,
-    /// The least barycentric coordinate, and the distance if that is less: negative outside the face or behind the start.
+    /// The least barycentric coordinate, and the distance if that is less: negative outside the face or behind the
+    /// start.
     inside: f64,
 }
 

@@ -56,7 +56,8 @@ fn a_blade_gives_a_ball_no_more_than_its_own_speed() {
     }
 }
 
-/// The speed of a ball that lies on a flipper, 0.3 m from its axis, after the flipper has turned for so many steps and stopped.
+/// The speed of a ball that lies on a flipper, 0.3 m from its axis, after the flipper has turned for so many steps and
+/// stopped.
 fn flipped(spin: f32, steps: u32, continuous: bool) -> f32 {
     let mut world = World::new();
     let flipper = world.mesh(&cuboid(Vec3::new(1.2, 0.1, 0.2)));

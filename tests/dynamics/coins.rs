@@ -1,5 +1,5 @@
-//! Coins that fall onto a thin shelf, with a single collision substep a step. They may pass each other and the shelf, but
-//! nothing throws them.
+//! Coins that fall onto a thin shelf, with a single collision substep a step. They may pass each other and the shelf,
+//! but nothing throws them.
 
 use super::fly_past::prism;
 use crate::world::{World, any_turn};

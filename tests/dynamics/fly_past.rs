@@ -34,7 +34,8 @@ fn ridge() -> TriMesh {
     prism(&[[0.0, 0.0], [-2.0, -2.0], [2.0, -2.0]], 2.0)
 }
 
-/// The largest change of velocity of a ball of radius 0.1 that passes the origin along x at a height, among so many phases.
+/// The largest change of velocity of a ball of radius 0.1 that passes the origin along x at a height, among so many
+/// phases.
 fn past(obstacle: &TriMesh, speed: f32, height: f32, gravity: f32, continuous: bool, phases: u32) -> f32 {
     let mut worst: f32 = 0.0;
     for phase in 0..phases {
@@ -198,8 +199,8 @@ const CHANGED: f32 = 1.0e-4;
 /// The first of [`small_shapes`] are closed; these are so many.
 const SOLIDS: usize = 5;
 
-/// How far the surface for which a mesh stands lies beyond its facets, metres: that of a ball or of a torus. Bodies that turn
-/// touch with it.
+/// How far the surface for which a mesh stands lies beyond its facets, metres: that of a ball or of a torus. Bodies
+/// that turn touch with it.
 fn bulge(shape: &TriMesh, height: impl Fn(Vec3) -> f32) -> f32 {
     let places = (0..shape.triangles().len()).flat_map(|t| {
         let [a, b, c] = shape.corners(t);
@@ -330,8 +331,8 @@ fn path(world: &World, body: usize, time: f32) -> MovingMesh {
     }
 }
 
-/// Whether two paths meet, by brute force: 0 if their gap stays above 0.1 mm and their `bulge`, the way on which they intersect if that is
-/// longer than 5 mm, and `None` for what lies between.
+/// Whether two paths meet, by brute force: 0 if their gap stays above 0.1 mm and their `bulge`, the way on which they
+/// intersect if that is longer than 5 mm, and `None` for what lies between.
 fn met(paths: &[MovingMesh; 2], bulge: f32) -> Option<f64> {
     let least = 1.0e-4 + f64::from(bulge);
     let radius = |path: &MovingMesh| path.triangles.iter().flatten().map(|p| p.length()).fold(0.0, f64::max);
@@ -385,8 +386,8 @@ fn many_random_pairs_that_do_not_meet_pass_each_other() {
     check_throws(3, 50_000, false, NONE);
 }
 
-/// In a collision substep contact points move along lines. A body that turns by a hundredth of a radian while it flies 5 cm leaves
-/// them by half a millimetre, so a few that pass or graze at less are taken for the other.
+/// In a collision substep contact points move along lines. A body that turns by a hundredth of a radian while it flies
+/// 5 cm leaves them by half a millimetre, so a few that pass or graze at less are taken for the other.
 #[test]
 #[ignore = "minutes"]
 fn many_random_pairs_that_turn_and_do_not_meet_pass_each_other() {

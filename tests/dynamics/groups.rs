@@ -6,7 +6,8 @@ use bevy_faceoff::state::Body;
 use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
-/// A pile of so many tori on a floor. With `distant`, balls at 60 m/s hit a thin plate 200 m away, one every half second.
+/// A pile of so many tori on a floor. With `distant`, balls at 60 m/s hit a thin plate 200 m away, one every half
+/// second.
 fn pile(tori: usize, distant: bool) -> World {
     let mut world = World::new();
     let (torus, cube) = (world.mesh(&shapes::torus_240()), world.mesh(&shapes::cube(1.0)));

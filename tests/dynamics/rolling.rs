@@ -1,5 +1,5 @@
-//! Bodies that roll without being driven. A perfect wheel keeps its speed; one of facets may lose what they lose, and none
-//! gains any. Sleep is off, because it would hide both.
+//! Bodies that roll without being driven. A perfect wheel keeps its speed; one of facets may lose what they lose, and
+//! none gains any. Sleep is off, because it would hide both.
 
 use super::motion::Motion;
 use crate::world::{World, any_turn};
@@ -91,8 +91,8 @@ impl Roller {
         f64::from(self.world.velocity(self.body).length())
     }
 
-    /// Lets it roll for so many steps. The part of its speed that it keeps must be in this range, and it must never have
-    /// more than this part of its energy.
+    /// Lets it roll for so many steps. The part of its speed that it keeps must be in this range, and it must never
+    /// have more than this part of its energy.
     fn keeps(&mut self, name: &str, steps: u32, range: std::ops::RangeInclusive<f64>, most: f64) {
         let mut highest = 0.0f64;
         for _ in 0..steps {
@@ -223,8 +223,8 @@ fn a_ball_rolls_down_a_ball() {
 
 #[test]
 fn a_ball_slides_round_a_drum_as_along_a_polygon() {
-    // It loses the part of its velocity along the normal of each facet that it comes to. By default it passes six facets in
-    // a collision substep, and turns by all of them at once.
+    // It loses the part of its velocity along the normal of each facet that it comes to. By default it passes six
+    // facets in a collision substep, and turns by all of them at once.
     let sides = 1024;
     let polygon = f64::from(TAU / sides as f32).cos().powi(sides as i32);
     for (travel, least) in [(0.25, 0.92), (0.025, polygon - 0.01)] {

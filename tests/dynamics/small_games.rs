@@ -128,7 +128,8 @@ fn a_body_does_not_sleep_before_it_is_pushed_out() {
     }
 }
 
-/// What is not deep is pushed out at no more than `SolverSettings::max_depenetration_speed`, which only large bodies reach.
+/// What is not deep is pushed out at no more than `SolverSettings::max_depenetration_speed`, which only large bodies
+/// reach.
 #[test]
 fn a_large_body_is_pushed_out_at_three_metres_per_second() {
     let mut world = World::new();

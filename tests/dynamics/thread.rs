@@ -1,6 +1,6 @@
-//! A nut on a bolt: that of the scene `nut`, and one of external meshes if they are beside the checkout. The thread of these is so
-//! thin that a step has eight collision substeps, the most of default settings. It takes a quarter of a second with two threads,
-//! so the longer test is ignored by default.
+//! A nut on a bolt: that of the scene `nut`, and one of external meshes if they are beside the checkout. The thread of
+//! these is so thin that a step has eight collision substeps, the most of default settings. It takes a quarter of a
+//! second with two threads, so the longer test is ignored by default.
 
 use crate::world::World;
 use bevy_faceoff::state::{Body, BodyParams};

@@ -1,5 +1,5 @@
-//! Every reader, and pairs of random meshes, under mutated input: see [`targets`]. The seeds of the random numbers are fixed.
-//! `fuzz/run` runs the same targets guided by coverage.
+//! Every reader, and pairs of random meshes, under mutated input: see [`targets`]. The seeds of the random numbers are
+//! fixed. `fuzz/run` runs the same targets guided by coverage.
 
 #[path = "../common/gltf_files.rs"]
 mod gltf_files;

@@ -228,8 +228,8 @@ fn a_box_without_a_lid_weighs_what_it_holds() {
     }
 }
 
-/// Half a ball is too wide open for that, and so are walls that do not hang together: the winding number tells where they are
-/// solid.
+/// Half a ball is too wide open for that, and so are walls that do not hang together: the winding number tells where
+/// they are solid.
 #[test]
 fn what_is_wide_open_weighs_where_its_winding_number_exceeds_a_half() {
     let ball = shapes::ball(1.0, 4);

@@ -27,8 +27,8 @@ fn random(i: usize) -> u32 {
         % 100
 }
 
-/// An opening counts as closed up to a fiftieth of the area that is left, and all of them up to a fifth. The openings are around corners of an
-/// icosahedron.
+/// An opening counts as closed up to a fiftieth of the area that is left, and all of them up to a fifth. The openings
+/// are around corners of an icosahedron.
 #[test]
 fn openings_count_as_closed_up_to_a_fiftieth_each_and_a_fifth_together() {
     let ball = shapes::ball(1.0, 4);
@@ -207,8 +207,8 @@ fn t_junctions_are_told_and_change_nothing() {
     }
 }
 
-/// A cube whose upper face is split in the middle of none of its sides, while its neighbours are, off by this much: a crack at each
-/// of so many of the sides. Neighbours share a corner.
+/// A cube whose upper face is split in the middle of none of its sides, while its neighbours are, off by this much: a
+/// crack at each of so many of the sides. Neighbours share a corner.
 fn cracked_cube(cracks: usize, off: f32) -> TriMesh {
     let mut vertices: Vec<Vec3> = (0..8)
         .map(|i| {

@@ -381,8 +381,8 @@ fn all_defects_at_once_are_repaired() {
     assert_eq!((work.dropped_duplicates, work.dropped_zero_area), (10, 1));
 }
 
-/// Random faces between the points of a small lattice: all kinds of defects at once, many edges of more than two faces, and points
-/// in line with others.
+/// Random faces between the points of a small lattice: all kinds of defects at once, many edges of more than two faces,
+/// and points in line with others.
 #[test]
 fn whatever_the_mesh_no_step_makes_it_worse() {
     let lattice = |i: usize| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9 % 3) as f32);

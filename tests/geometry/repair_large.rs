@@ -59,8 +59,8 @@ fn a_hundred_thousand_boundary_edges_are_no_trouble() {
     assert!(work.left_holes.iter().all(|hole| hole.why == WhyLeft::NoTriangles));
 }
 
-/// A box without a bottom, of 300 by 200 squares a side: its hole has 1000 edges along four straight lines, and none where two
-/// neighbours are not in line.
+/// A box without a bottom, of 300 by 200 squares a side: its hole has 1000 edges along four straight lines, and none
+/// where two neighbours are not in line.
 #[test]
 fn a_large_hole_with_straight_sides_is_closed() {
     let (wide, deep) = (300u32, 200u32);

@@ -152,8 +152,8 @@ impl Walk {
             .for_each(|segment| self.visit_path_segment(segment));
     }
 
-    /// Notes what is used in tokens that only their macro understands: paths of several names, and single names that begin
-    /// with a capital letter.
+    /// Notes what is used in tokens that only their macro understands: paths of several names, and single names that
+    /// begin with a capital letter.
     fn tokens(&mut self, tokens: &TokenStream) {
         let tokens: Vec<TokenTree> = tokens.clone().into_iter().collect();
         let is = |i: Option<usize>, c| {

@@ -4,8 +4,8 @@ use super::cycles::{Edges, components, shortest_cycle};
 use super::graph::Graph;
 use std::fmt::Write;
 
-/// Files are named by prefixes, relative to the folder of sources: `a/b` stands for `a/b.rs` and all files below `a/b/`,
-/// `a/mod.rs` for that file alone. If several prefixes fit a file, the longest counts.
+/// Files are named by prefixes, relative to the folder of sources: `a/b` stands for `a/b.rs` and all files below
+/// `a/b/`, `a/mod.rs` for that file alone. If several prefixes fit a file, the longest counts.
 pub struct Rules<'r> {
     /// From bottom to top. A file may use files of its own prefix and of lower layers.
     pub layers: &'r [&'r [&'r str]],

@@ -165,8 +165,8 @@ fn what_is_left_out_does_not_depend_on_threads() {
     }
 }
 
-/// So many bodies that threads share the work of sorting them. Which pairs are kept follows from where the bodies are now,
-/// not from threads, nor from where they were before.
+/// So many bodies that threads share the work of sorting them. Which pairs are kept follows from where the bodies are
+/// now, not from threads, nor from where they were before.
 #[test]
 fn what_a_large_crowd_loses_follows_from_the_bodies_alone() {
     let run = |threads: usize, before: &[f32]| {

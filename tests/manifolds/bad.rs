@@ -62,7 +62,8 @@ fn coincident_meshes_have_finite_points() {
     }
 }
 
-/// A mesh may have been loaded twice. Bodies of the two coincide as two of one do, and are pushed apart in the same way.
+/// A mesh may have been loaded twice. Bodies of the two coincide as two of one do, and are pushed apart in the same
+/// way.
 #[test]
 fn coincident_equal_meshes_have_the_points_of_one_mesh() {
     let shapes = Shapes::new();

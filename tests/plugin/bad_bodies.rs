@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 const NAN: f32 = f32::NAN;
 const INF: f32 = f32::INFINITY;
 
-/// Two bodies that touch all the time, one that flies, and the one that will be broken, which touches both of the first.
+/// Two bodies that touch all the time, one that flies, and the one that will be broken, which touches both of the
+/// first.
 struct Company {
     sim: Sim,
     pair: [Entity; 2],

@@ -84,7 +84,8 @@ pub fn the_same_mesh_as_a_solid_is_the_outward_one() {
     assert_eq!(fates[0], fates[1]);
 }
 
-/// A ball made as Bevy makes its UV spheres: the corners where it closes, and those at its poles, differ in their last bits.
+/// A ball made as Bevy makes its UV spheres: the corners where it closes, and those at its poles, differ in their last
+/// bits.
 pub fn with_a_seam(radius: f32, sectors: u32, stacks: u32) -> TriMesh {
     let mut vertices = Vec::new();
     for i in 0..=stacks {
@@ -110,7 +111,8 @@ pub fn with_a_seam(radius: f32, sectors: u32, stacks: u32) -> TriMesh {
     TriMesh::new(vertices, faces).unwrap()
 }
 
-/// A body in the middle of a ball with a seam is inside, though the axis leads through its open pole, and is pushed out.
+/// A body in the middle of a ball with a seam is inside, though the axis leads through its open pole, and is pushed
+/// out.
 pub fn no_ray_slips_through_a_seam() {
     let ball = with_a_seam(1.0, 32, 18);
     assert_eq!(ball.orientation(), Orientation::Outward);

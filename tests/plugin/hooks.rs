@@ -1,5 +1,5 @@
-//! What a game decides about pairs itself: conveyor belts, one-way platforms, friends that pass through each other. Other
-//! tests run them beside a GPU.
+//! What a game decides about pairs itself: conveyor belts, one-way platforms, friends that pass through each other.
+//! Other tests run them beside a GPU.
 
 use crate::app::{Sim, assert_near, resting, sorted};
 use bevy::ecs::system::SystemParam;

@@ -1,4 +1,5 @@
-//! A level of many static bodies: a step reads what moves, notices what is changed, and has the bits of one that reads all.
+//! A level of many static bodies: a step reads what moves, notices what is changed, and has the bits of one that reads
+//! all.
 
 use crate::app::Sim;
 use bevy::prelude::*;
@@ -79,8 +80,8 @@ impl Level {
         }
     }
 
-    /// Runs so many steps, and returns how many colliders the last one has read or, because they are dormant, left out. Those
-    /// that something has roused are not read either.
+    /// Runs so many steps, and returns how many colliders the last one has read or, because they are dormant, left out.
+    /// Those that something has roused are not read either.
     fn step(&mut self, count: usize) -> usize {
         for _ in 0..count {
             if self.reads_all {

@@ -33,8 +33,8 @@ mod stable_keys;
 mod sudden;
 mod warnings;
 
-/// `bakes`, `character`, `compounds`, `contacts`, `driven`, `hooks`, `sensors`, `spatial_queries` and `sudden` have no tests but functions: some of them are tests
-/// on a GPU too.
+/// `bakes`, `character`, `compounds`, `contacts`, `driven`, `hooks`, `sensors`, `spatial_queries` and `sudden` have no
+/// tests but functions: some of them are tests on a GPU too.
 macro_rules! tests_of {
     ($module:ident as $tests:ident: $($name:ident)*) => {
         mod $tests {

@@ -251,8 +251,9 @@ pub fn a_bullet_that_is_stopped_is_noticed_up_to_there_and_no_farther() {
     assert_eq!(told(&sim, behind, bullet), [0, 0]);
 }
 
-/// A ball of 1,280 faces rolls for eight seconds over a pad that reaches 0.75 mm above the ground, which some of its corners touch and some
-/// of its faces do not. Tells how often the pair was told to begin and to end, and in which steps it touched.
+/// A ball of 1,280 faces rolls for eight seconds over a pad that reaches 0.75 mm above the ground, which some of its
+/// corners touch and some of its faces do not. Tells how often the pair was told to begin and to end, and in which
+/// steps it touched.
 fn roll_over_a_pad(hysteresis: Option<f32>) -> ([usize; 2], Vec<bool>) {
     let mut sim = on_the_ground();
     sim.world()

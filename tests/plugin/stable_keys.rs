@@ -39,8 +39,8 @@ pub struct Hit {
 }
 
 impl Named {
-    /// A pile of rings and cubes on a floor between walls, a body of two cubes, a paddle and a lift. `keys` says whether the
-    /// names are stable keys.
+    /// A pile of rings and cubes on a floor between walls, a body of two cubes, a paddle and a lift. `keys` says
+    /// whether the names are stable keys.
     pub fn new(order: Order, keys: bool) -> Self {
         let mut sim = Sim::new();
         sim.world().insert_resource(Gravity(Vec3::NEG_Y * 9.81));

@@ -17,8 +17,8 @@ fn force(speed: Vec3) -> ExternalForces {
     }
 }
 
-/// An impulse and a force of one step for this speed of a body of 1 kg, twice as much with the force, and the number of steps
-/// for which the body rests before: it is awake after one, and asleep after many.
+/// An impulse and a force of one step for this speed of a body of 1 kg, twice as much with the force, and the number of
+/// steps for which the body rests before: it is awake after one, and asleep after many.
 fn shots(speed: f32) -> [(ExternalForces, usize); 4] {
     let [impulse, force] = [push(Vec3::X * speed), force(Vec3::X * 2.0 * speed)];
     [(impulse, 1), (force, 1), (impulse, 80), (force, 80)]

@@ -198,12 +198,14 @@ fn few_bytes_describe_little_memory() {
     assert_eq!(table.at(17, 200).len(), 1 << 19);
 }
 
-/// The writer has to keep within what the reader believes: differences first, and bits where they would describe too much.
+/// The writer has to keep within what the reader believes: differences first, and bits where they would describe too
+/// much.
 #[test]
 fn large_groups_that_hardly_differ_are_written_so_that_they_are_read() {
     let triangles: u32 = 1 << 17;
     let all = [numbers(&[BITS]), vec![0xff; 1 << 14]].concat();
-    // 265 of 266 directions in turn lose a triangle; the differences come first, and long groups afterwards pay for them.
+    // 265 of 266 directions in turn lose a triangle; the differences come first, and long groups afterwards pay for
+    // them.
     let differences = 180;
     let runs: Vec<Vec<u8>> = std::iter::once(all.clone())
         .chain((0..differences).map(|t| numbers(&[DIFFERENCE, 1, t])))

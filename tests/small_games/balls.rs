@@ -1,5 +1,5 @@
-//! Balls that meet balls, as a spawner makes them: copies of one mesh, not turned. Theory: energy is conserved, and of a central
-//! impact everything goes over.
+//! Balls that meet balls, as a spawner makes them: copies of one mesh, not turned. Theory: energy is conserved, and of
+//! a central impact everything goes over.
 
 use crate::game::{Game, any_rotation, body, check, elastic};
 use bevy::prelude::*;

@@ -1,5 +1,5 @@
-//! A ball without friction in a bowl. Theory: it swings for ever, and never has more energy than before. The edges between the
-//! facets of a bowl may take some.
+//! A ball without friction in a bowl. Theory: it swings for ever, and never has more energy than before. The edges
+//! between the facets of a bowl may take some.
 
 use crate::game::{Game, body, check};
 use bevy::prelude::*;

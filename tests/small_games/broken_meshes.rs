@@ -1,5 +1,5 @@
-//! Meshes as they come: cracks, missing faces, any winding, several shells. Theory: they do what clean ones do. And a box without
-//! a lid, which is open on purpose.
+//! Meshes as they come: cracks, missing faces, any winding, several shells. Theory: they do what clean ones do. And a
+//! box without a lid, which is open on purpose.
 
 use crate::game::{Game, body, check};
 use bevy::prelude::*;

@@ -1,4 +1,5 @@
-//! Stacks and rows without restitution that are hit. Theory: what is pushed takes the velocity of what pushes, and no more.
+//! Stacks and rows without restitution that are hit. Theory: what is pushed takes the velocity of what pushes, and no
+//! more.
 
 use crate::game::{GAP, Game, body, check};
 use bevy::prelude::*;

@@ -1,5 +1,5 @@
-//! Boxes that bounce without loss and without friction, on corners, edges and faces. Theory: energy is conserved, within 1 % and
-//! never above.
+//! Boxes that bounce without loss and without friction, on corners, edges and faces. Theory: energy is conserved,
+//! within 1 % and never above.
 
 use crate::game::{Game, any_rotation, body, check, elastic};
 use bevy::prelude::*;
@@ -54,7 +54,8 @@ pub fn a_cube_between_six_walls_keeps_its_energy(backend: Backend) {
     closed_box(backend, true);
 }
 
-/// For half a minute, in a room of 4 m. One slow impact that does not bounce may take more than a hundredth of the energy.
+/// For half a minute, in a room of 4 m. One slow impact that does not bounce may take more than a hundredth of the
+/// energy.
 fn closed_box(backend: Backend, of_meshes: bool) {
     let mut game = Game::new(backend).without_gravity().with_all_bounces();
     let cube = game.mesh(&shapes::cube(1.0));

@@ -6,7 +6,8 @@ use bevy_faceoff::prelude::*;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Distance between the surfaces of bodies at rest, in bounding diameters: the default of `SolverSettings::rest_offset`.
+/// Distance between the surfaces of bodies at rest, in bounding diameters: the default of
+/// `SolverSettings::rest_offset`.
 pub const GAP: f32 = 0.0005;
 
 /// One fixed step.

@@ -1,5 +1,5 @@
-//! What is heavy on what is light. Theory: nothing is pressed into what is static, and stacks stand with their surfaces touching;
-//! 1 % of an edge is allowed.
+//! What is heavy on what is light. Theory: nothing is pressed into what is static, and stacks stand with their surfaces
+//! touching; 1 % of an edge is allowed.
 
 use crate::game::{GAP, Game, body, check};
 use bevy::prelude::*;

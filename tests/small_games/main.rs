@@ -1,9 +1,9 @@
-//! Small games: a few bodies, default settings, 64 steps per second, as somebody writes them who starts with this crate. What
-//! must come out is known from theory.
+//! Small games: a few bodies, default settings, 64 steps per second, as somebody writes them who starts with this
+//! crate. What must come out is known from theory.
 //!
 //! One does not come out yet. It holds the true assertion and is ignored; the reason tells what comes out instead.
-//! `cargo test --release --test small_games -- --ignored` runs it. On a device, in software on most machines, fewer games are
-//! played; those of one row are solved alike.
+//! `cargo test --release --test small_games -- --ignored` runs it. On a device, in software on most machines, fewer
+//! games are played; those of one row are solved alike.
 //!
 //! | game | theory | holds |
 //! |---|---|---|

@@ -1,5 +1,5 @@
-//! A player that looks around while it walks, and one that fell and is put back, wherever the steps run and whenever their results
-//! are read. Theory: turning changes no velocity, and what is put back falls as from rest.
+//! A player that looks around while it walks, and one that fell and is put back, wherever the steps run and whenever
+//! their results are read. Theory: turning changes no velocity, and what is put back falls as from rest.
 
 use crate::game::{Game, body, check};
 use bevy::prelude::*;

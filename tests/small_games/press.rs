@@ -1,5 +1,5 @@
-//! A body in a press that closes more than the body is wide. No theory holds, but neither wall may get all of it, and no
-//! impulse may be without measure.
+//! A body in a press that closes more than the body is wide. No theory holds, but neither wall may get all of it, and
+//! no impulse may be without measure.
 
 use crate::game::{Game, body, check};
 use bevy::prelude::*;

@@ -1,4 +1,5 @@
-//! Kinematic bodies among dynamic ones that carry a load. Theory: equal supports carry equal parts, whatever their kind.
+//! Kinematic bodies among dynamic ones that carry a load. Theory: equal supports carry equal parts, whatever their
+//! kind.
 
 use crate::game::{Game, body, check};
 use bevy::prelude::*;

@@ -1,6 +1,6 @@
 //! A ball slides over a floor as CAD programs write it: its top is two rectangles, and the second has a vertex in the
-//! middle of their common edge, which the first does not have. A face of zero area fills the T-junction, or nothing does. Theory: the
-//! floor is flat.
+//! middle of their common edge, which the first does not have. A face of zero area fills the T-junction, or nothing
+//! does. Theory: the floor is flat.
 
 use crate::game::{Game, body, check};
 use bevy::prelude::*;

@@ -33,8 +33,8 @@ fn pipe(outer: f32, inner: f32, length: f32) -> TriMesh {
     turned(&[(outer, low), (outer, high), (inner, high), (inner, low)])
 }
 
-/// A pin of 2 m, as a pipe, in an upright hole that is 0.2 % wider: it has 0.2 mm of play on each side, and the gap at rest
-/// is 1 mm.
+/// A pin of 2 m, as a pipe, in an upright hole that is 0.2 % wider: it has 0.2 mm of play on each side, and the gap at
+/// rest is 1 mm.
 pub fn a_pin_falls_through_its_hole(backend: Backend) {
     let mut game = Game::new(backend);
     let radius = 0.1;
@@ -46,7 +46,8 @@ pub fn a_pin_falls_through_its_hole(backend: Backend) {
     check("metres fallen", -game.position(pin).y, 1.15..=1.26);
 }
 
-/// A hole like it, inclined by 40 degrees: the pin slides on one side, and friction of 0.3 holds it by that side's load alone.
+/// A hole like it, inclined by 40 degrees: the pin slides on one side, and friction of 0.3 holds it by that side's load
+/// alone.
 pub fn a_pin_slides_in_an_inclined_hole(backend: Backend) {
     let mut game = Game::new(backend);
     let radius = 0.1;

@@ -1,8 +1,8 @@
 //! Long runs under random changes: see [`soak`].
 //!
-//! `cargo test --release --features cli --test soak -- --ignored --nocapture` runs half an hour of simulated time with 1,000
-//! bodies on the CPU, and 10,000 steps of 300 bodies on a device. `FACEOFF_SOAK_SEED`,
-//! `FACEOFF_SOAK_STEPS`, `FACEOFF_SOAK_BODIES` and `FACEOFF_SOAK_EVERY` (steps between changes) choose other numbers.
+//! `cargo test --release --features cli --test soak -- --ignored --nocapture` runs half an hour of simulated time with
+//! 1,000 bodies on the CPU, and 10,000 steps of 300 bodies on a device. `FACEOFF_SOAK_SEED`, `FACEOFF_SOAK_STEPS`,
+//! `FACEOFF_SOAK_BODIES` and `FACEOFF_SOAK_EVERY` (steps between changes) choose other numbers.
 
 mod checks;
 mod soak;

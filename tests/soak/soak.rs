@@ -1,7 +1,7 @@
 //! A world under random changes, checked after every step: what a long session of a busy game does to the plugin.
 //!
-//! Bodies appear and vanish, jump, change their shape, kind, parent and settings, and get values that are no numbers. The
-//! clock pauses, snapshots are taken and restored, and a device is lost now and then.
+//! Bodies appear and vanish, jump, change their shape, kind, parent and settings, and get values that are no numbers.
+//! The clock pauses, snapshots are taken and restored, and a device is lost now and then.
 
 use super::checks::{Checks, Report};
 use bevy::prelude::*;
@@ -21,8 +21,8 @@ pub struct Plan {
     pub readback: Readback,
     pub threads: usize,
     pub bodies: usize,
-    /// Half the width of the bin, relative to the square root of the number of bodies. With 0.6 they lie on each other in
-    /// piles of two or three, with 1.5 mostly side by side.
+    /// Half the width of the bin, relative to the square root of the number of bodies. With 0.6 they lie on each other
+    /// in piles of two or three, with 1.5 mostly side by side.
     pub room: f32,
     pub steps: usize,
     pub seed: u64,

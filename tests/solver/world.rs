@@ -11,7 +11,8 @@ use glam::{DQuat, DVec3, Vec3};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// The solver under test, with its memory. It wakes bodies, moves them over a collision substep, and puts them to sleep.
+/// The solver under test, with its memory. It wakes bodies, moves them over a collision substep, and puts them to
+/// sleep.
 pub trait ContactSolver: Send {
     fn solve(
         &mut self,

@@ -1,5 +1,5 @@
-//! Bodies that are close to each other and do not touch. Flush faces of blocks side by side lie in common planes but for
-//! the rounding of their poses, so that signs of heights alone decide nothing.
+//! Bodies that are close to each other and do not touch. Flush faces of blocks side by side lie in common planes but
+//! for the rounding of their poses, so that signs of heights alone decide nothing.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;

@@ -1,4 +1,5 @@
-//! `queries::check` against brute force on shapes of this crate, and on third-party meshes if they lie beside the checkout.
+//! `queries::check` against brute force on shapes of this crate, and on third-party meshes if they lie beside the
+//! checkout.
 
 use crate::oracle::body::{Body, Mesh};
 use crate::oracle::brute;
@@ -95,8 +96,8 @@ fn a_nut_on_a_bolt_of_this_crate() {
     let [bolt, nut] =
         [("bolt", Shape::Bolt), ("nut", Shape::Nut)].map(|(name, shape)| built_in(name, &shape.mesh().mesh));
     let still = Body::new(&bolt, DVec3::ZERO, Quat::IDENTITY, 1.0);
-    // Half of the pitch further crest is upon crest. Between that and where it fits the flanks meet. A slight turn keeps rows
-    // of vertices from falling on each other, where rounding decides.
+    // Half of the pitch further crest is upon crest. Between that and where it fits the flanks meet. A slight turn
+    // keeps rows of vertices from falling on each other, where rounding decides.
     let turn = Quat::from_rotation_y(0.03);
     let on_the_thread = [0.0, 0.23, 0.11, 0.47].map(|part| {
         let nut = Body::new(&nut, DVec3::NEG_Y * part * f64::from(PITCH), turn, 1.0);

@@ -15,8 +15,8 @@ use std::time::Instant;
 /// # Errors
 /// If the driver has no device, or refuses a kernel.
 pub fn compile(kernels: &[Spirv]) -> Result<Vec<Compiled>, Box<dyn Error>> {
-    // SAFETY: all that is created here is used in this function only, and outlives what is made of it: nothing is destroyed
-    // before the process ends. Structures are those that the calls ask for.
+    // SAFETY: all that is created here is used in this function only, and outlives what is made of it: nothing is
+    // destroyed before the process ends. Structures are those that the calls ask for.
     unsafe {
         let entry = ash::Entry::load()?;
         let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);

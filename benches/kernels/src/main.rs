@@ -2,8 +2,8 @@
 //! `cargo run --release --manifest-path benches/kernels/Cargo.toml`.
 //!
 //! Mesa's driver for AMD, RADV, can be told that a card of some family is there. It then compiles with its production
-//! compiler, ACO, and runs nothing. It tells registers, spills, occupancy, and estimates of the time of a wave. These are not
-//! times on a card: compare them before and after a change.
+//! compiler, ACO, and runs nothing. It tells registers, spills, occupancy, and estimates of the time of a wave. These
+//! are not times on a card: compare them before and after a change.
 //!
 //! Debian and Ubuntu have the driver in `mesa-vulkan-drivers`, beside the one that runs kernels on the CPU.
 

@@ -1,6 +1,6 @@
-//! Worlds in which nearly everything is static or asleep: ten cubes fall beside it. Each engine has the cubes that suit it,
-//! meshes of twelve triangles in ours and cuboids in the others, and its default settings, in whole steps of an app where it
-//! has one.
+//! Worlds in which nearly everything is static or asleep: ten cubes fall beside it. Each engine has the cubes that suit
+//! it, meshes of twelve triangles in ours and cuboids in the others, and its default settings, in whole steps of an app
+//! where it has one.
 
 use crate::avian;
 use crate::engine::{Contacts, THREADS};

@@ -5,8 +5,8 @@
 //!
 //! With `--levels` it compares steps of worlds in which nearly everything is static or asleep.
 //!
-//! With `--physics` it compares the accuracy of the motion instead: in bevy_faceoff, rapier3d and avian3d, the last two also with our
-//! contacts.
+//! With `--physics` it compares the accuracy of the motion instead: in bevy_faceoff, rapier3d and avian3d, the last two
+//! also with our contacts.
 //!
 //! Times of first hits are printed only if the answers agree, or if a slow independent test confirms bevy_faceoff where
 //! they disagree. Each disagreement is printed.

@@ -77,8 +77,8 @@ impl Parry {
         Bvh::from_leaves(BvhBuildStrategy::Binned, &self.boxes)
     }
 
-    /// The distance of a ray's first hit on any body, infinite if there is none. The normal is computed too. `way` has unit
-    /// length.
+    /// The distance of a ray's first hit on any body, infinite if there is none. The normal is computed too. `way` has
+    /// unit length.
     pub fn first_hit_of_ray(&self, tree: &Bvh, origin: [f32; 3], way: [f32; 3]) -> f32 {
         let ray = query::Ray::new(Vector::from(origin), Vector::from(way));
         let hit = |body: u32, most: f32| {

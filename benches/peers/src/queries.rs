@@ -162,8 +162,8 @@ impl Peers {
     }
 }
 
-/// Rays between 2200 knots, through the trees over all of them. In parry3d each body has a mesh of its own, scaled in advance;
-/// ours share one.
+/// Rays between 2200 knots, through the trees over all of them. In parry3d each body has a mesh of its own, scaled in
+/// advance; ours share one.
 fn among_bodies(rounds: usize) {
     let scene = Scene::new(&Choice::new(Shape::Knot));
     let mut ours = queries::Scene::default();

@@ -63,8 +63,8 @@ pub(crate) struct Carried<'a> {
     normal: Vector,
 }
 
-/// The points of the last step, moved with the first collider from `last` to `now`. So the motion of a whole scene parts no
-/// point from where it was on its surface.
+/// The points of the last step, moved with the first collider from `last` to `now`. So the motion of a whole scene
+/// parts no point from where it was on its surface.
 pub(crate) fn carried<'a>(old: &'a [ContactManifold], last: &Pose, now: &Pose) -> Vec<Carried<'a>> {
     let carried = |normal: Vector, old: &'a ContactPoint| Carried {
         old,

@@ -26,8 +26,8 @@ struct Kept {
 }
 
 impl PairMemories {
-    /// Lends the memory of a pair whose first collider is at `first`, and tells where that was in the last step; at `first`,
-    /// if that is not known. No lock is held while `find` runs.
+    /// Lends the memory of a pair whose first collider is at `first`, and tells where that was in the last step; at
+    /// `first`, if that is not known. No lock is held while `find` runs.
     pub(crate) fn lend(&self, pair: [Entity; 2], first: Pose, find: impl FnOnce(&mut PairMemory, &Pose)) {
         let (mut memory, last) = self
             .pairs

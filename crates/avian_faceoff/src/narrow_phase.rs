@@ -108,8 +108,8 @@ impl AnyCollider for ExactNarrowPhase {
     }
 }
 
-/// At unit length, metres. By as much Avian enlarges the box of a collider that has moved, and pairs whose boxes do not meet
-/// have no contacts.
+/// At unit length, metres. By as much Avian enlarges the box of a collider that has moved, and pairs whose boxes do not
+/// meet have no contacts.
 const MAX_REST_OFFSET: f32 = 0.05;
 
 /// Two exact meshes.

@@ -1,7 +1,7 @@
 //! Deep overlaps whose contact points disagree about where to.
 //!
-//! Points with opposed normals push a pair against itself, and Avian's solver makes energy of that. So only those count that
-//! agree with one direction.
+//! Points with opposed normals push a pair against itself, and Avian's solver makes energy of that. So only those count
+//! that agree with one direction.
 
 use avian3d::math::{AdjustPrecision, Scalar, Vector};
 use avian3d::prelude::ContactManifold;
@@ -14,8 +14,8 @@ const OPPOSED: f32 = -0.5;
 const DEPTH: f32 = 0.01;
 
 /// Drops the points of an overlap that disagree with its direction: that of the last step's impulses, or else that from
-/// the first centre of mass to the second. A wedge may lie in a groove below the groove's centre: where no deep point agrees,
-/// the direction is the opposite one.
+/// the first centre of mass to the second. A wedge may lie in a groove below the groove's centre: where no deep point
+/// agrees, the direction is the opposite one.
 pub(crate) fn resolve(points: &mut Vec<MeshContact>, diameter: f32, old: &[ContactManifold], centers: Vector) {
     let deep = || points.iter().filter(|point| point.separation < -DEPTH * diameter);
     if !deep().any(|p| deep().any(|q| p.normal.dot(q.normal) < OPPOSED)) {

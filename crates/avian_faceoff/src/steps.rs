@@ -24,8 +24,8 @@ use std::time::Duration;
 /// # }
 /// ```
 ///
-/// All of [`PhysicsSchedule`] runs as often, with the systems that you have added to it. Forces that are applied for a step
-/// ([`Forces`]) act in all of them. Hooks and collision events see each of them.
+/// All of [`PhysicsSchedule`] runs as often, with the systems that you have added to it. Forces that are applied for a
+/// step ([`Forces`]) act in all of them. Hooks and collision events see each of them.
 pub struct PhysicsStepsPlugin {
     steps: u32,
     schedule: Interned<dyn ScheduleLabel>,

@@ -18,9 +18,9 @@ const OVERLAP_INDEX: u32 = (1 << 27) - 1;
 /// A point of the last step, until a new one takes its data.
 type Old<C> = Option<TrackedContact<C>>;
 
-/// Replaces the manifolds of the last step by those of these points, whose first mesh lies at the origin. Points with equal
-/// normals share manifolds. A point takes its data from the one with the same features, or from the nearest within `reach`,
-/// metres.
+/// Replaces the manifolds of the last step by those of these points, whose first mesh lies at the origin. Points with
+/// equal normals share manifolds. A point takes its data from the one with the same features, or from the nearest
+/// within `reach`, metres.
 pub fn replace<M, C>(points: &[MeshContact], pos12: &Pose, reach: Real, manifolds: &mut Vec<ContactManifold<M, C>>)
 where
     M: Default,

@@ -8,12 +8,12 @@ use bevy_faceoff::geometry::{self, MeshError, Orientation};
 use bevy_faceoff::queries::{BodyFault, Placed, QueryShape};
 use glam::{DQuat, DVec3, Vec3};
 
-/// A triangle mesh for a collider. Where [`ExactDispatcher`](crate::ExactDispatcher) is installed, two of them touch with
-/// the exact contacts of bevy_faceoff.
+/// A triangle mesh for a collider. Where [`ExactDispatcher`](crate::ExactDispatcher) is installed, two of them touch
+/// with the exact contacts of bevy_faceoff.
 ///
 /// To everything else it is the mesh of parry that [`ExactMesh::surface`] returns. This holds for rays, points, shape
-/// casts, continuous collision detection, contacts with other shapes, and debug rendering. It also holds for two exact meshes
-/// where the dispatcher is not installed.
+/// casts, continuous collision detection, contacts with other shapes, and debug rendering. It also holds for two exact
+/// meshes where the dispatcher is not installed.
 ///
 /// A clone shares the baked data, but not the mesh of parry. Colliders of the same mesh should share one
 /// [`SharedShape`](crate::parry::shape::SharedShape).
@@ -39,7 +39,8 @@ pub enum ExactMeshError {
 }
 
 impl ExactMesh {
-    /// Bakes a mesh, in about a millisecond for a thousand triangles. Counter-clockwise faces look outward. Vertices are in metres.
+    /// Bakes a mesh, in about a millisecond for a thousand triangles. Counter-clockwise faces look outward. Vertices
+    /// are in metres.
     ///
     /// # Errors
     /// If there is no face of non-zero area, an invalid coordinate or an invalid index.
@@ -109,8 +110,8 @@ impl ExactMesh {
 
     /// The scaled mesh of parry. Its triangles have the indices of the input.
     ///
-    /// If the mesh is solid and its winding consistent, the flags are `FIX_INTERNAL_EDGES` and `ORIENTED`. Else there are none, so
-    /// that faces have two sides.
+    /// If the mesh is solid and its winding consistent, the flags are `FIX_INTERNAL_EDGES` and `ORIENTED`. Else there
+    /// are none, so that faces have two sides.
     pub fn surface(&self) -> &TriMesh {
         &self.surface
     }

@@ -31,7 +31,8 @@ pub(super) fn chunks(
     if length < FIRST_CHUNK {
         return Err(damaged("its first chunk is not JSON"));
     }
-    // Chunks may be beyond the length that the header tells, as long as the file has them. The `gltf` crate reads them too.
+    // Chunks may be beyond the length that the header tells, as long as the file has them. The `gltf` crate reads them
+    // too.
     let chunk = |at: usize| -> Result<Option<(u32, Range<usize>)>, GltfError> {
         if at >= bytes.len() {
             return Ok(None);

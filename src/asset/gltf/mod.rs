@@ -1,10 +1,10 @@
 //! Reader for glTF 2.0: the triangles of `.gltf` and `.glb` files.
 //!
 //! Supported are triangle lists, strips and fans; indices of any size or none; sparse accessors; quantized positions;
-//! and buffers in the file, in `data:` URIs and in other files. A mesh with a skin is read as
-//! it was modelled: by the specification its joints place it, not its node. Skins, morph targets and instances
-//! (`EXT_mesh_gpu_instancing`) are not applied, and hidden nodes (`KHR_node_visibility`) are read: warnings tell so. Draco and
-//! meshopt compression are rejected.
+//! and buffers in the file, in `data:` URIs and in other files. A mesh with a skin is read as it was modelled: by the
+//! specification its joints place it, not its node. Skins, morph targets and instances (`EXT_mesh_gpu_instancing`) are
+//! not applied, and hidden nodes (`KHR_node_visibility`) are read: warnings tell so. Draco and meshopt compression are
+//! rejected.
 //!
 //! Why not the `gltf` crate: its validation looks up the accessor of a primitive's positions before it checks that the
 //! accessor exists, so an invalid index makes it panic. Its iterators over accessors panic or overflow on empty

@@ -31,8 +31,8 @@ impl Canvas {
         }
     }
 
-    /// Mixes a disc about (`x`, `y`) into the image: `share` of its colour, from 0 to 1, and the rest of what is there. Its edge is
-    /// smooth.
+    /// Mixes a disc about (`x`, `y`) into the image: `share` of its colour, from 0 to 1, and the rest of what is there.
+    /// Its edge is smooth.
     pub fn disc(&mut self, [x, y]: [f32; 2], radius: f32, colour: [u8; 3], share: f32) {
         let reach = radius + 1.0;
         let pixels = |at: f32, side: u32| (at - reach).max(0.0) as u32..((at + reach + 1.0).max(0.0) as u32).min(side);

@@ -26,7 +26,8 @@ pub struct Options {
     /// Draw a contact sheet of directions 30 degrees apart instead of a single direction.
     #[arg(long)]
     sheet: bool,
-    /// Draw the heights in grey, and mark the defects that `faceoff inspect` tells of, with a legend; pale on the far side.
+    /// Draw the heights in grey, and mark the defects that `faceoff inspect` tells of, with a legend; pale on the far
+    /// side.
     #[arg(long, conflicts_with = "sheet")]
     defects: bool,
     /// The PNG file to write, or - for standard output.

@@ -9,8 +9,8 @@ use glam::Vec3;
 const LINE: u32 = CHARACTER + 6;
 /// The width of a mark in the legend with the space behind it, in pixels.
 const SAMPLE: u32 = 20;
-/// A defect is on the near side if it is no farther below the surface than this part of the mesh's height: the surface beside an
-/// edge or a vertex may be above it within a pixel.
+/// A defect is on the near side if it is no farther below the surface than this part of the mesh's height: the surface
+/// beside an edge or a vertex may be above it within a pixel.
 const SLACK: f32 = 0.02;
 /// How much of the colour of a mark is seen on the far side.
 const PALE: f32 = 0.3;
@@ -60,8 +60,8 @@ impl Marks {
         }
     }
 
-    /// Marks the defects on the picture, whose upper left corner is given. Marks on the near side hide those on the far side, and
-    /// those of rare kinds the others.
+    /// Marks the defects on the picture, whose upper left corner is given. Marks on the near side hide those on the far
+    /// side, and those of rare kinds the others.
     pub fn paint(&self, canvas: &mut Canvas, [left, top]: [u32; 2]) {
         let mut kinds: Vec<&Kind> = self.kinds.iter().collect();
         kinds.sort_by_key(|of| std::cmp::Reverse(of.count()));

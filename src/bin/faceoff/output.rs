@@ -56,8 +56,8 @@ pub fn refuse(output: &Path, others: impl IntoIterator<Item = impl AsRef<Path>>)
     Ok(())
 }
 
-/// Where a file is, or would be, whatever path leads to it. `None` for standard output, devices and pipes, and for a file that
-/// cannot be.
+/// Where a file is, or would be, whatever path leads to it. `None` for standard output, devices and pipes, and for a
+/// file that cannot be.
 fn place(path: &Path) -> Option<PathBuf> {
     if is_standard(path) {
         return None;
@@ -187,8 +187,8 @@ pub fn hidden(name: &str, suffix: &str) -> String {
     format!("{HIDDEN}{name}{suffix}")
 }
 
-/// Removes the hidden files that killed processes left in a folder. No process needs such a file for so long: writing what
-/// is in memory takes seconds, and without its claim a mesh may be baked twice, with the same bytes.
+/// Removes the hidden files that killed processes left in a folder. No process needs such a file for so long: writing
+/// what is in memory takes seconds, and without its claim a mesh may be baked twice, with the same bytes.
 pub fn remove_leftovers(folder: &Path) {
     let Ok(files) = fs::read_dir(folder) else { return };
     for file in files.flatten() {

@@ -11,19 +11,19 @@ use std::path::{Path, PathBuf};
 
 /// Repair a mesh file, and print what was done.
 ///
-/// Without --weld, --drop, --split and --orient all four are done: they do not change the shape. With any of them
-/// only those that are named are done. Holes are closed only with --close-holes. Faces and vertices of the result have other
-/// numbers, unless nothing was wrong. Only positions and faces are written: what else the file has, such as texture coordinates,
-/// normals, materials and objects, is not kept, and a warning tells so.
+/// Without --weld, --drop, --split and --orient all four are done: they do not change the shape. With any of them only
+/// those that are named are done. Holes are closed only with --close-holes. Faces and vertices of the result have other
+/// numbers, unless nothing was wrong. Only positions and faces are written: what else the file has, such as texture
+/// coordinates, normals, materials and objects, is not kept, and a warning tells so.
 ///
-/// Exits with 0 also if defects remain; the table and the JSON tell which. 1 if a file cannot be read or written, 2 if the command
-/// line is wrong.
+/// Exits with 0 also if defects remain; the table and the JSON tell which. 1 if a file cannot be read or written, 2 if
+/// the command line is wrong.
 #[derive(clap::Args)]
 pub struct Options {
     /// The mesh: .glb, .gltf, .obj, .stl, .ply, .off, .faceoff, or a .bake.ron, which stands for the mesh it names.
     mesh: PathBuf,
-    /// The file to write: .obj, .stl, .ply or .off (STL and PLY are binary), or - for OBJ on standard output. A file that is there
-    /// is replaced, but never the mesh itself.
+    /// The file to write: .obj, .stl, .ply or .off (STL and PLY are binary), or - for OBJ on standard output. A file
+    /// that is there is replaced, but never the mesh itself.
     #[arg(
         short,
         long,

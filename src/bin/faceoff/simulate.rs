@@ -18,14 +18,15 @@ use std::path::PathBuf;
 /// The most bodies: some gigabytes of them.
 const MAX_BODIES: u64 = 10_000_000;
 
-/// Run a scene: the paper's, bodies in a box with random poses, sizes and velocities, or one in which bodies rest on each other.
+/// Run a scene: the paper's, bodies in a box with random poses, sizes and velocities, or one in which bodies rest on
+/// each other.
 #[derive(clap::Args)]
 pub struct Options {
     /// Which scene.
     #[arg(long, value_enum, default_value = "box")]
     scene: SceneChoice,
-    /// torus (240 triangles), knot (1120 triangles), or a mesh file: .glb, .gltf, .obj, .stl, .ply, .off, .faceoff or .bake.ron [default:
-    /// torus; knot for the scene pour].
+    /// torus (240 triangles), knot (1120 triangles), or a mesh file: .glb, .gltf, .obj, .stl, .ply, .off, .faceoff or
+    /// .bake.ron [default: torus; knot for the scene pour].
     #[arg(long)]
     shape: Option<String>,
     /// How many bodies move, at most 10000000 [default: 2200 in the box, 50 in the chain, 10 in the stack, 100 poured].
@@ -49,7 +50,8 @@ pub struct Options {
     /// Where the stages run.
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
-    /// When the results of a GPU are read [default: lockstep]. With resident, collisions stay on the GPU and are only counted.
+    /// When the results of a GPU are read [default: lockstep]. With resident, collisions stay on the GPU and are only
+    /// counted.
     #[arg(long, value_enum, alias = "reading")]
     readback: Option<ReadbackChoice>,
     /// Threads of the CPU stages, at most 1024; 0 for one per core.

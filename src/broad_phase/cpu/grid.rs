@@ -197,8 +197,8 @@ impl Grid {
         self.adapt()
     }
 
-    /// Fills the grid so that its order follows from the bodies alone, neither from threads nor from earlier calls: where a
-    /// search ends early, the order decides what it finds.
+    /// Fills the grid so that its order follows from the bodies alone, neither from threads nor from earlier calls:
+    /// where a search ends early, the order decides what it finds.
     pub fn fill_canonically(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) {
         self.doublings.clear();
         for bucket in 0..self.sort(members, centers, radii) {

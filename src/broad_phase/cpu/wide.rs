@@ -1,5 +1,5 @@
-//! A search with wide spheres serves all collision substeps of a step, as long as the spheres of each are within the wide
-//! ones.
+//! A search with wide spheres serves all collision substeps of a step, as long as the spheres of each are within the
+//! wide ones.
 
 use super::grid::SPHERE_SLACK;
 use crate::state::Bodies;
@@ -37,8 +37,8 @@ impl WideSearch {
         self.pairs.extend_from_slice(pairs);
     }
 
-    /// Writes the pairs whose speculative spheres overlap now into `sphere_pairs`, as a new search would. Returns whether
-    /// the wide search holds all of them; if not, the list is left as it is.
+    /// Writes the pairs whose speculative spheres overlap now into `sphere_pairs`, as a new search would. Returns
+    /// whether the wide search holds all of them; if not, the list is left as it is.
     pub fn find(&self, bodies: &Bodies, sphere_pairs: &mut Vec<[u32; 2]>) -> bool {
         if self.count != bodies.center.len() || self.count == 0 {
             return false;

@@ -24,9 +24,9 @@ pub enum Roundness {
     Corner,
     /// A finely tessellated surface.
     Surface {
-        /// The inverse of the curvature along the surface, mesh units: times a small change of the normal it is the way to
-        /// where the surface has that normal. A symmetric matrix: xx, xy, xz, yy, yz, zz. It is 0 along directions in
-        /// which the surface is flat or concave.
+        /// The inverse of the curvature along the surface, mesh units: times a small change of the normal it is the way
+        /// to where the surface has that normal. A symmetric matrix: xx, xy, xz, yy, yz, zz. It is 0 along directions
+        /// in which the surface is flat or concave.
         radii: [f32; 6],
         /// Length of the longest edge, mesh units: the vertex stands for no more of the surface.
         reach: f32,

@@ -21,10 +21,11 @@ pub struct MassProperties {
     pub thickness: f32,
     /// The region whose mass this is.
     pub basis: MassBasis,
-    /// How far off the volume may be, relative to itself: what openings and the resolution of sampling leave uncertain. 0 for a
-    /// closed mesh; 1 where the mass is not that of an enclosed volume.
+    /// How far off the volume may be, relative to itself: what openings and the resolution of sampling leave uncertain.
+    /// 0 for a closed mesh; 1 where the mass is not that of an enclosed volume.
     pub error: f32,
-    /// Whether the values are a substitute or uncertain: the mesh is not a closed solid, or the values did not fit `f32`.
+    /// Whether the values are a substitute or uncertain: the mesh is not a closed solid, or the values did not fit
+    /// `f32`.
     pub approximate: bool,
 }
 
@@ -51,7 +52,8 @@ const MIN_VOLUME: f64 = 1e-9;
 /// The minimum edge of the box that replaces a mesh without volume, relative to its longest edge.
 const MIN_EDGE: f64 = 0.01;
 
-/// The default thickness of the shell that an open mesh without an inside weighs, relative to the diagonal of its bounding box.
+/// The default thickness of the shell that an open mesh without an inside weighs, relative to the diagonal of its
+/// bounding box.
 pub const SHELL_THICKNESS: f32 = 0.01;
 
 impl MassProperties {
@@ -66,18 +68,19 @@ impl MassProperties {
     ///
     /// * A room ([`Orientation::Inward`]) gets the mass of a solid that fills it. Its walls have no outer surface and
     ///   so no mass of their own.
-    /// * An open mesh whose openings together take at most 40 % of its area, as does a box without a lid, gets that of the mesh
-    ///   with its openings closed, each by a cone. This is exact where an opening is flat. The error is that of a half ball over
-    ///   each opening.
-    /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the generalised
-    ///   winding number exceeds a half. They are found by sampling the bounding box; the error is half the volume of the samples
-    ///   at their border.
-    /// * If there are no such places, or if they reach out of the box through more than a tenth of its sides, as those below
-    ///   some terrains do, it gets the mass of a shell along its faces. `shell` is its thickness, relative to the diagonal of
-    ///   the bounding box.
-    /// * If faces are there twice, and the mesh is closed without them, they count once; this is exact. See [`TriMesh::caps`].
-    /// * A closed mesh that encloses almost no volume gets the mass of its solid bounding box. Each edge of that box counts as
-    ///   at least 1 % of the longest.
+    /// * An open mesh whose openings together take at most 40 % of its area, as does a box without a lid, gets that of
+    ///   the mesh with its openings closed, each by a cone. This is exact where an opening is flat. The error is that
+    ///   of a half ball over each opening.
+    /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the
+    ///   generalised winding number exceeds a half. They are found by sampling the bounding box; the error is half the
+    ///   volume of the samples at their border.
+    /// * If there are no such places, or if they reach out of the box through more than a tenth of its sides, as those
+    ///   below some terrains do, it gets the mass of a shell along its faces. `shell` is its thickness, relative to the
+    ///   diagonal of the bounding box.
+    /// * If faces are there twice, and the mesh is closed without them, they count once; this is exact. See
+    ///   [`TriMesh::caps`].
+    /// * A closed mesh that encloses almost no volume gets the mass of its solid bounding box. Each edge of that box
+    ///   counts as at least 1 % of the longest.
     /// * If the mesh is so large or small that values do not fit `f32`, they are clamped.
     ///
     /// The thickness of a mesh that is neither closed nor nearly so is the shortest edge of that box.
@@ -162,15 +165,15 @@ impl Solid {
     }
 }
 
-/// An open mesh is closed for its mass if its openings together take at most this part of its area. Those of a sheet take all
-/// of it, and that of a half ball a half.
+/// An open mesh is closed for its mass if its openings together take at most this part of its area. Those of a sheet
+/// take all of it, and that of a half ball a half.
 const MAX_SHARE: f64 = 0.4;
 
-/// The mass of an open mesh with its openings closed, and its relative error; `None` if they are too large, or if the winding
-/// is not consistent.
+/// The mass of an open mesh with its openings closed, and its relative error; `None` if they are too large, or if the
+/// winding is not consistent.
 ///
-/// Where an opening is flat, its cap lies where the generalised winding number is a half, so that this is the same as the
-/// integral over the places where it is larger. Those would have to be sampled, and samples miss what is thin.
+/// Where an opening is flat, its cap lies where the generalised winding number is a half, so that this is the same as
+/// the integral over the places where it is larger. Those would have to be sampled, and samples miss what is thin.
 fn capped(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
     let closure = mesh.closure().filter(|closure| closure.share <= MAX_SHARE)?;
     let solid = integrate(mesh, &closure.caps, aabb)?;
@@ -178,8 +181,8 @@ fn capped(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
     Some((solid, error))
 }
 
-/// Sums the tetrahedra between an origin and the faces and caps, which may all point inward. `None` if the volume is zero, or
-/// if the moments cannot be those of a solid, as when parts of the surface enclose the outside.
+/// Sums the tetrahedra between an origin and the faces and caps, which may all point inward. `None` if the volume is
+/// zero, or if the moments cannot be those of a solid, as when parts of the surface enclose the outside.
 fn integrate(mesh: &TriMesh, caps: &[[Vec3; 3]], aabb: Aabb) -> Option<Solid> {
     // Relative to the centre of the box, so that a mesh far from its origin loses no precision.
     let origin = (aabb.min.as_dvec3() + aabb.max.as_dvec3()) * 0.5;

@@ -9,8 +9,8 @@ use glam::{DMat3, DVec3};
 const SAMPLES: f64 = 8.0;
 /// Into how many parts along each axis samples at the border are split, at most.
 const MAX_PARTS: u32 = 4;
-/// The number of triangles and nodes that samples at the border may look at, for each triangle of the mesh: about a tenth of a
-/// millisecond.
+/// The number of triangles and nodes that samples at the border may look at, for each triangle of the mesh: about a
+/// tenth of a millisecond.
 const WORK: f64 = 3.0e3;
 /// The least and the most of it for a mesh: a millisecond, a tenth of a second.
 const WORK_OF_MESH: [f64; 2] = [4.0e4, 3.0e6];
@@ -18,7 +18,8 @@ const WORK_OF_MESH: [f64; 2] = [4.0e4, 3.0e6];
 const MAX_ERROR: f64 = 0.5;
 /// The largest part of the sides of the bounding box through which the inside may reach out.
 const MAX_REACH: f64 = 0.1;
-/// At least this part of the inside must have a winding number above [`SURE`]. Below a hilly terrain it barely exceeds a half.
+/// At least this part of the inside must have a winding number above [`SURE`]. Below a hilly terrain it barely exceeds
+/// a half.
 const MIN_SURE: f64 = 0.25;
 const SURE: f64 = 0.75;
 /// A sample is at the border if its winding number is this close to a half.
@@ -87,8 +88,8 @@ struct Sums {
     border: f64,
 }
 
-/// The places where the winding number exceeds a half, and their relative error; `None` if there are none that a body could
-/// have.
+/// The places where the winding number exceeds a half, and their relative error; `None` if there are none that a body
+/// could have.
 fn inside(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
     let (low, size) = (aabb.min.as_dvec3(), (aabb.max - aabb.min).as_dvec3());
     if size.min_element() <= 1.0e-6 * size.max_element() {

@@ -1,7 +1,9 @@
-//! Triangles that close a hole: of all triangulations of its boundary that with the smallest area, after Barequet & Sharir 1995.
+//! Triangles that close a hole: of all triangulations of its boundary that with the smallest area, after Barequet &
+//! Sharir 1995.
 //!
-//! It needs no plane, so it closes holes of curved surfaces, and it uses every vertex of the boundary, so that nothing is left
-//! open. For a boundary in a plane it is the polygon inside. Time grows with the third power of the number of edges.
+//! It needs no plane, so it closes holes of curved surfaces, and it uses every vertex of the boundary, so that nothing
+//! is left open. For a boundary in a plane it is the polygon inside. Time grows with the third power of the number of
+//! edges.
 
 use crate::geometry::mesh::is_degenerate;
 use glam::Vec3;
@@ -11,8 +13,8 @@ use glam::Vec3;
 const EDGE_COST: f64 = 1.0e-6;
 
 /// Triangulates a hole with the given boundary, and returns triangles as numbers of its vertices. `None` if there is no
-/// triangulation in which each triangle has an area and is allowed. `chord(i, j)` tells whether the vertices of numbers `i < j`,
-/// which are no neighbours, may be joined; `triangle` whether a triangle may be used.
+/// triangulation in which each triangle has an area and is allowed. `chord(i, j)` tells whether the vertices of numbers
+/// `i < j`, which are no neighbours, may be joined; `triangle` whether a triangle may be used.
 pub(super) fn fill(
     boundary: &[Vec3],
     chord: impl Fn(usize, usize) -> bool,

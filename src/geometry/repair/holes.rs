@@ -163,7 +163,8 @@ impl Surface {
 
     /// The loops of the boundary, and the chains of edges that close to no loop. Each is a list of edges.
     ///
-    /// Where several holes meet at a vertex, the sector of each is bounded by an edge that ends there and one that begins there.
+    /// Where several holes meet at a vertex, the sector of each is bounded by an edge that ends there and one that
+    /// begins there.
     fn loops(&self, rim: &Rim) -> (Vec<Vec<usize>>, Vec<Vec<usize>>) {
         let mut is_taken = vec![false; rim.edges.len()];
         let (mut loops, mut chains) = (Vec::new(), Vec::new());
@@ -190,8 +191,8 @@ impl Surface {
         (loops, chains)
     }
 
-    /// The edge that follows another around the same hole: the first one clockwise, seen from outside. `None` if all that begin
-    /// at its end are taken.
+    /// The edge that follows another around the same hole: the first one clockwise, seen from outside. `None` if all
+    /// that begin at its end are taken.
     fn next(&self, rim: &Rim, edge: usize, is_taken: &[bool]) -> Option<usize> {
         let [from, vertex] = rim.edges[edge];
         let free = rim.at.get(&vertex)?.iter().copied().filter(|&next| !is_taken[next]);

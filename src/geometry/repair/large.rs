@@ -9,8 +9,8 @@ use std::collections::BinaryHeap;
 const LARGE: usize = 256;
 /// The outline has so many vertices at equal steps along the boundary, and as many at its corners.
 const OUTLINE: usize = 64;
-/// A piece of the boundary is straight if its vertices are no farther from the line between its ends than this, relative to the
-/// length of that line.
+/// A piece of the boundary is straight if its vertices are no farther from the line between its ends than this,
+/// relative to the length of that line.
 const STRAIGHT: f64 = 1.0e-6;
 
 /// Triangulates a hole like [`fill`], for boundaries of any length, in nearly linear time. If there are more than
@@ -84,8 +84,8 @@ pub(super) fn fill_any(
     Some(triangles)
 }
 
-/// The corner of a triangle at which two sides of a polygon of `count` vertices meet; `None` if there is none. Corners are
-/// ascending.
+/// The corner of a triangle at which two sides of a polygon of `count` vertices meet; `None` if there is none. Corners
+/// are ascending.
 fn ear([i, k, j]: [usize; 3], count: usize) -> Option<usize> {
     match (k - i, j - k, i + count - j) {
         (1, 1, _) => Some(k),
@@ -95,8 +95,8 @@ fn ear([i, k, j]: [usize; 3], count: usize) -> Option<usize> {
     }
 }
 
-/// Some of the vertices of a boundary, in their order: some at equal steps, and those where the boundary is farthest from the
-/// line between its neighbours among them.
+/// Some of the vertices of a boundary, in their order: some at equal steps, and those where the boundary is farthest
+/// from the line between its neighbours among them.
 fn outline(boundary: &[Vec3]) -> Vec<usize> {
     let count = boundary.len();
     let mut outline: Vec<usize> = (0..OUTLINE).map(|k| k * count / OUTLINE).collect();
@@ -121,7 +121,8 @@ fn outline(boundary: &[Vec3]) -> Vec<usize> {
     outline
 }
 
-/// The largest distance of the vertices of a piece from the line between its ends, in the unit of the mesh, and the vertex.
+/// The largest distance of the vertices of a piece from the line between its ends, in the unit of the mesh, and the
+/// vertex.
 fn farthest(piece: &[Vec3]) -> (f64, usize) {
     let [first, .., last] = piece else { return (0.0, 0) };
     let (first, last) = (first.as_dvec3(), last.as_dvec3());

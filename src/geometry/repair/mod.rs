@@ -1,8 +1,8 @@
-//! Repair of meshes: [`repair`] merges vertices, drops faces that add nothing, splits edges at T-junctions, makes the winding
-//! consistent and closes holes.
+//! Repair of meshes: [`repair`] merges vertices, drops faces that add nothing, splits edges at T-junctions, makes the
+//! winding consistent and closes holes.
 //!
-//! The result is a new mesh: its vertices and faces have other numbers, and what refers to faces of the old one, such as a list
-//! of painted faces, no longer fits. A mesh without defects stays as it is, to the bit.
+//! The result is a new mesh: its vertices and faces have other numbers, and what refers to faces of the old one, such
+//! as a list of painted faces, no longer fits. A mesh without defects stays as it is, to the bit.
 //!
 //! ```
 //! use bevy_faceoff::geometry::repair::{Steps, repair};
@@ -33,26 +33,26 @@ use surface::Surface;
 /// Rounds of steps that depend on each other. One or two do but for meshes with defects of all kinds everywhere.
 const MAX_ROUNDS: usize = 4;
 
-/// What to repair. The steps run in the order of the fields. Faces are dropped again after a split, and oriented again after holes
-/// were closed.
+/// What to repair. The steps run in the order of the fields. Faces are dropped again after a split, and oriented again
+/// after holes were closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps {
-    /// Vertices within this distance of each other, relative to the diagonal of the mesh's bounding box, count as one in all
-    /// steps.
+    /// Vertices within this distance of each other, relative to the diagonal of the mesh's bounding box, count as one
+    /// in all steps.
     pub tolerance: f32,
     /// Merge those vertices.
     pub weld: bool,
-    /// Drop faces of zero area, faces with the same corners as an earlier one, and vertices that no face uses. No face is
-    /// dropped that keeps the mesh closed.
+    /// Drop faces of zero area, faces with the same corners as an earlier one, and vertices that no face uses. No face
+    /// is dropped that keeps the mesh closed.
     pub drop: bool,
-    /// Split the edges of faces where a vertex of another face lies on them: T-junctions. With `drop`, faces of zero area that
-    /// fill T-junctions are dropped too.
+    /// Split the edges of faces where a vertex of another face lies on them: T-junctions. With `drop`, faces of zero
+    /// area that fill T-junctions are dropped too.
     pub split: bool,
     /// Make the winding of each shell consistent, and turn solids outward; see [`TriMesh::oriented`].
     pub orient: bool,
-    /// Close holes of up to this many edges with triangles between their vertices; 0 closes none. Of holes of up to 256 edges the
-    /// area of these is the smallest possible, so they do not lie over each other if the hole lies in a plane; in larger ones
-    /// some may, near edges where the boundary bends into the hole.
+    /// Close holes of up to this many edges with triangles between their vertices; 0 closes none. Of holes of up to 256
+    /// edges the area of these is the smallest possible, so they do not lie over each other if the hole lies in a
+    /// plane; in larger ones some may, near edges where the boundary bends into the hole.
     pub close_holes: usize,
 }
 
@@ -115,8 +115,8 @@ pub struct Repaired {
 
 /// Repairs a mesh. The winding it has now counts as that of the input.
 ///
-/// What is repaired are defects of single faces, edges and openings. Surfaces that cross each other stay as they are, as do
-/// edges of more than two faces.
+/// What is repaired are defects of single faces, edges and openings. Surfaces that cross each other stay as they are,
+/// as do edges of more than two faces.
 ///
 /// # Errors
 /// If no face is left that has an area, because the tolerance is as large as the mesh; see [`MeshError`].

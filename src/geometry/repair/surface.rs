@@ -50,7 +50,8 @@ impl CountedEdges {
         Self { edges, uses }
     }
 
-    /// The edges of a face, each with 1 if the face runs along it as it is directed, else -1. None if the face collapsed.
+    /// The edges of a face, each with 1 if the face runs along it as it is directed, else -1. None if the face
+    /// collapsed.
     pub fn of_face(&self, number: usize, face: [u32; 3]) -> impl Iterator<Item = (u32, i32)> + '_ {
         let edges = self.edges.of_triangles[number];
         let sides = edges.into_iter().zip(face).filter(move |_| !is_collapsed(face));

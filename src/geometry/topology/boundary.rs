@@ -13,12 +13,13 @@ use std::f64::consts::PI;
 
 /// The largest opening of a nearly closed mesh, relative to the area of the mesh.
 ///
-/// A few missing faces of a fine mesh take less, and so does the neck of a bottle. The mouth of a glass takes a tenth, and the
-/// end of a pipe ten times as long as wide a fortieth: what lies in those must not be pushed out through the wall.
+/// A few missing faces of a fine mesh take less, and so does the neck of a bottle. The mouth of a glass takes a tenth,
+/// and the end of a pipe ten times as long as wide a fortieth: what lies in those must not be pushed out through the
+/// wall.
 pub const MAX_OPENING: f64 = 0.02;
 
-/// The largest area of all openings of a nearly closed mesh together, relative to the area of the mesh. Of faces that do not hang
-/// together, each is an opening of its own size.
+/// The largest area of all openings of a nearly closed mesh together, relative to the area of the mesh. Of faces that
+/// do not hang together, each is an opening of its own size.
 const MAX_OPENINGS: f64 = 0.2;
 
 /// What closes an open mesh.
@@ -97,10 +98,10 @@ impl Boundary {
 impl Faces<'_> {
     /// The boundary of the mesh; empty if it is closed.
     ///
-    /// The faces' own boundary is a sum of directed edges in which as many end at each vertex as begin. It is closed in two
-    /// steps. Where vertices of the boundary lie on one of its edges, slivers split the edge there: then the two sides of a
-    /// T-junction cancel. What is left is taken apart into loops. Each is an opening, closed by a cone from the mean of its
-    /// vertices.
+    /// The faces' own boundary is a sum of directed edges in which as many end at each vertex as begin. It is closed in
+    /// two steps. Where vertices of the boundary lie on one of its edges, slivers split the edge there: then the two
+    /// sides of a T-junction cancel. What is left is taken apart into loops. Each is an opening, closed by a cone from
+    /// the mean of its vertices.
     pub(super) fn boundary(&self, edges: &Edges, counts: &[Count], welded: &[u32], tolerance: f32) -> Boundary {
         let mut chain = Vec::new();
         let mut disagrees = false;

@@ -8,8 +8,8 @@ use crate::geometry::weld::size;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Two boundary edges are the sides of a crack if their ends are no farther apart than this, relative to the diagonal of the
-/// mesh's bounding box.
+/// Two boundary edges are the sides of a crack if their ends are no farther apart than this, relative to the diagonal
+/// of the mesh's bounding box.
 const CRACK: f64 = 1.0e-3;
 
 /// A kind of defect.
@@ -29,8 +29,8 @@ pub enum DefectKind {
     BoundaryEdge,
     /// A vertex on an edge of a face that is no corner of that face.
     TJunction,
-    /// An edge of an opening with another one beside it, a thousandth of the mesh's size away or less: a larger weld tolerance
-    /// joins the two.
+    /// An edge of an opening with another one beside it, a thousandth of the mesh's size away or less: a larger weld
+    /// tolerance joins the two.
     Crack,
     /// Boundary edges that hang together around a hole.
     Opening,
@@ -81,8 +81,8 @@ pub struct Defect {
     pub face: Option<u32>,
 }
 
-/// The defects of a mesh. An empty list does not mean that nothing is wrong: whether the surface intersects itself is not
-/// looked for.
+/// The defects of a mesh. An empty list does not mean that nothing is wrong: whether the surface intersects itself is
+/// not looked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Defects {
     list: Vec<Defect>,

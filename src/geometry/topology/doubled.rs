@@ -1,8 +1,8 @@
-//! Doubled faces: those with the corners of another one. Some programs write each face twice, once for each side, or export what was
-//! pasted over itself.
+//! Doubled faces: those with the corners of another one. Some programs write each face twice, once for each side, or
+//! export what was pasted over itself.
 //!
-//! They collide as they are. But what is closed without them is closed once: they count neither for what the mesh encloses nor for
-//! which way its faces point.
+//! They collide as they are. But what is closed without them is closed once: they count neither for what the mesh
+//! encloses nor for which way its faces point.
 
 use super::boundary::MAX_OPENING;
 use super::{Faces, Topology};
@@ -11,7 +11,8 @@ use glam::Vec3;
 use std::collections::HashMap;
 
 impl Faces<'_> {
-    /// Triangles with the same corners as an earlier one of the input, in any order, and that one; in the order of the input.
+    /// Triangles with the same corners as an earlier one of the input, in any order, and that one; in the order of the
+    /// input.
     pub fn doubled(&self, welded: &[u32]) -> Vec<[usize; 2]> {
         // The first face with these corners, as it is numbered here and in the input.
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
@@ -29,8 +30,8 @@ impl Faces<'_> {
         doubled
     }
 
-    /// The doubled faces of a mesh that is closed or nearly so without them, by their indices in the input; none of another mesh. A
-    /// sheet with two sides is one of those: without the second it encloses nothing.
+    /// The doubled faces of a mesh that is closed or nearly so without them, by their indices in the input; none of
+    /// another mesh. A sheet with two sides is one of those: without the second it encloses nothing.
     pub(super) fn find_twins(&self, topology: &Topology) -> Vec<[u32; 2]> {
         let welded = &topology.welded;
         let doubled = self.doubled(welded);
@@ -74,7 +75,8 @@ impl Faces<'_> {
         pairs.collect()
     }
 
-    /// The reverse of each triangle that does not count. Together with it the two are nothing, for every sum over the surface.
+    /// The reverse of each triangle that does not count. Together with it the two are nothing, for every sum over the
+    /// surface.
     pub fn reversed_twins(&self, welded: &[u32]) -> Vec<[Vec3; 3]> {
         let reversed = |[t, _]: [usize; 2]| {
             let [a, b, c] = self.placed(t, welded);

@@ -77,8 +77,8 @@ pub(super) struct Faces<'a> {
     /// Faces of zero area. They count as long as their corners differ: a sliver that fills a T-junction keeps a mesh
     /// closed.
     pub dropped: &'a [[u32; 3]],
-    /// Faces that do not count because another one has the same corners, ascending, and those others; by their indices in the
-    /// input.
+    /// Faces that do not count because another one has the same corners, ascending, and those others; by their indices
+    /// in the input.
     pub twins: &'a [[u32; 2]],
 }
 

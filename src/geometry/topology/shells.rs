@@ -8,11 +8,12 @@ use crate::geometry::edges::{Edges, NO_EDGE, is_collapsed};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
-/// The number of points of a shell that are tested for being inside another. One of them may lie on the other's surface.
+/// The number of points of a shell that are tested for being inside another. One of them may lie on the other's
+/// surface.
 const SAMPLES: usize = 5;
 
-/// An open shell has an inside if it encloses more than this part of what a ball of its area does, about its middle. A sheet
-/// encloses nearly nothing.
+/// An open shell has an inside if it encloses more than this part of what a ball of its area does, about its middle. A
+/// sheet encloses nearly nothing.
 const HOLLOW: f64 = 0.1;
 
 /// Faces that hang together across edges of two faces each.
@@ -39,8 +40,8 @@ struct Shells {
 }
 
 impl Faces<'_> {
-    /// Which faces to turn, so that each shell is consistent and solids point outward; see [`TriMesh::oriented`]. First the
-    /// triangles, then the dropped faces.
+    /// Which faces to turn, so that each shell is consistent and solids point outward; see [`TriMesh::oriented`]. First
+    /// the triangles, then the dropped faces.
     ///
     /// [`TriMesh::oriented`]: crate::geometry::TriMesh::oriented
     pub fn faces_to_turn(&self, welded: &[u32]) -> Vec<bool> {
@@ -188,9 +189,9 @@ impl Shell {
 }
 
 impl Shells {
-    /// Finds for each closed shell the one directly around it: the smallest that contains most of a few of its points, each by
-    /// the number of times that a ray from there crosses the other shell. Returns the number of shells that were asked whether a
-    /// point is inside.
+    /// Finds for each closed shell the one directly around it: the smallest that contains most of a few of its points,
+    /// each by the number of times that a ray from there crosses the other shell. Returns the number of shells that
+    /// were asked whether a point is inside.
     fn find_parents(&mut self, faces: &Faces, welded: &[u32]) -> usize {
         let shells = &mut self.shells;
         let closed: Vec<usize> = (0..shells.len()).filter(|&shell| shells[shell].encloses()).collect();
@@ -227,7 +228,8 @@ impl Shells {
                     &mut candidates,
                     |_, b| contains(b),
                     |candidates, i| {
-                        // Surfaces that cross may each contain points of the other; only the larger can be around the smaller.
+                        // Surfaces that cross may each contain points of the other; only the larger can be around the
+                        // smaller.
                         if contains(&boxes[i]) && size(closed[i]) > size(own) {
                             candidates.push(closed[i]);
                         }

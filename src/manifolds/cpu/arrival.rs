@@ -1,9 +1,10 @@
-//! Which speculative points count: those that still lie over their face, or on their edges, when the surfaces meet there.
+//! Which speculative points count: those that still lie over their face, or on their edges, when the surfaces meet
+//! there.
 //!
-//! A point ahead of a body lies on the plane through the other body's face, and the solver lets nothing cross that plane. A
-//! body that flies past a convex edge crosses it beyond the edge, where there is no surface. So a point counts if the
-//! surfaces do not arrive within the collision substep, or if they arrive on the surface. The others are dropped, and
-//! [`first_contact`](crate::ccd::first_contact) finds where such a pair meets, if it does.
+//! A point ahead of a body lies on the plane through the other body's face, and the solver lets nothing cross that
+//! plane. A body that flies past a convex edge crosses it beyond the edge, where there is no surface. So a point counts
+//! if the surfaces do not arrive within the collision substep, or if they arrive on the surface. The others are
+//! dropped, and [`first_contact`](crate::ccd::first_contact) finds where such a pair meets, if it does.
 
 use super::feature::{Feature, Origin};
 use super::inside::is_near;
@@ -17,7 +18,8 @@ pub(crate) const TOLERANCE: f64 = 0.25;
 /// Searches for the nearest surface, for a pair. Points beyond that are dropped.
 const MAX_SEARCHES: u32 = 32;
 
-/// How the colliders of a pair move as far as the solver looks ahead, in world axes; see [`Travel`](crate::state::travel::Travel).
+/// How the colliders of a pair move as far as the solver looks ahead, in world axes; see
+/// [`Travel`](crate::state::travel::Travel).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairMotion {
     /// Displacement of the second centre of mass relative to the first, metres.

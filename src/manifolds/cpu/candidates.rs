@@ -28,8 +28,8 @@ pub struct Candidates {
     /// Triangles of the first and of the second body.
     triangles: [Vec<CandidateTriangle>; 2],
     pairs: Vec<Candidate>,
-    /// Triangles that may have features between nearest points, by their numbers, with lower bounds of their distances when
-    /// they were found.
+    /// Triangles that may have features between nearest points, by their numbers, with lower bounds of their distances
+    /// when they were found.
     pub nearest: Vec<GapPair>,
     /// Whether any pair may cross after a motion within each of [`FRACTIONS`] of the slack.
     pub may_cross: [bool; FRACTIONS.len()],
@@ -304,7 +304,8 @@ impl TrianglePair<'_> {
     }
 }
 
-/// The squared distance of two segments, each a point and a vector (Ericson 2005, Real-Time Collision Detection, 5.1.9).
+/// The squared distance of two segments, each a point and a vector (Ericson 2005, Real-Time Collision Detection,
+/// 5.1.9).
 pub fn squared_distance([p, u]: [DVec3; 2], [q, v]: [DVec3; 2]) -> f64 {
     let way = p - q;
     let (a, e, b) = (u.length_squared(), v.length_squared(), u.dot(v));

@@ -169,8 +169,8 @@ impl Contours {
         }
     }
 
-    /// Whether a feature counts. Overlapping features need a patch nearby that is not deep, and all patches nearby must agree
-    /// with the feature.
+    /// Whether a feature counts. Overlapping features need a patch nearby that is not deep, and all patches nearby must
+    /// agree with the feature.
     pub fn admits(&self, feature: &Feature, overlaps: bool) -> bool {
         let mut any = false;
         for patch in self.patches.iter().filter(|patch| patch.is_near(feature)) {
@@ -247,8 +247,9 @@ impl Patch {
         feature.middle().distance_squared(self.center) < self.reach * self.reach
     }
 
-    /// Four points in the patch: the extremes of the contour in directions perpendicular to the normal, moved to its centre by
-    /// a quarter. The first extreme is the farthest from the centre, so the order of the bodies does not matter.
+    /// Four points in the patch: the extremes of the contour in directions perpendicular to the normal, moved to its
+    /// centre by a quarter. The first extreme is the farthest from the centre, so the order of the bodies does not
+    /// matter.
     pub fn outer_places(&self, segments: &[Segment]) -> [DVec3; 4] {
         let offsets = || {
             segments[self.first..self.end]

@@ -64,9 +64,10 @@ impl Crossings {
         self.pairs.push(triangles);
     }
 
-    /// Appends the segments of the pairs that cross and are not coplanar, in order. `triangles` are the lists. Heights up
-    /// to `rounding` are ties. Ties are broken as if the first body were slightly smaller: its corners lie below the
-    /// second's planes, and the second's above its own. So contours are closed even if faces of both bodies are coplanar.
+    /// Appends the segments of the pairs that cross and are not coplanar, in order. `triangles` are the lists. Heights
+    /// up to `rounding` are ties. Ties are broken as if the first body were slightly smaller: its corners lie below the
+    /// second's planes, and the second's above its own. So contours are closed even if faces of both bodies are
+    /// coplanar.
     #[inline(always)]
     pub fn segments<S: Simd>(
         &self,

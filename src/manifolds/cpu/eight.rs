@@ -34,8 +34,8 @@ pub fn set_gaps<S: Simd>(simd: S, triangles: [&[SmallTriangle]; 2], pairs: &mut 
     }
 }
 
-/// Two triangles, as indices into the triangles of the first and of the second body or as their numbers, and a lower bound of
-/// their distance, metres.
+/// Two triangles, as indices into the triangles of the first and of the second body or as their numbers, and a lower
+/// bound of their distance, metres.
 #[derive(Clone, Copy, Debug)]
 pub struct GapPair {
     pub triangles: [u32; 2],
@@ -69,8 +69,8 @@ pub struct SmallPair {
 }
 
 impl Narrowing {
-    /// Removes features and crossings that pairs cannot have, and then pairs that have nothing. Features stay if not all
-    /// triangles are `one_sided`.
+    /// Removes features and crossings that pairs cannot have, and then pairs that have nothing. Features stay if not
+    /// all triangles are `one_sided`.
     #[inline(always)]
     pub fn run<S: Simd>(
         &mut self,
@@ -342,8 +342,8 @@ impl<S: Simd> TwoTriangles<S> {
     fn gap_of_edges(&self, i: usize, j: usize) -> (f32x8<S>, Points<S>) {
         let (edge_a, edge_b) = (self.edges_a[i], self.edges_b[j]);
         let axis = cross(edge_a, edge_b);
-        // Heights over the first end of the first edge. Rounding turns the axis of edges that are almost parallel to any
-        // direction, so both ends of an edge count.
+        // Heights over the first end of the first edge. Rounding turns the axis of edges that are almost parallel to
+        // any direction, so both ends of an edge count.
         let end_a = dot(axis, edge_a);
         let third_a = -dot(axis, self.edges_a[(i + 2) % 3]);
         let start_b = dot(axis, sub(self.b[j], self.a[i]));

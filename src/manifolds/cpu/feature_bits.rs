@@ -1,8 +1,8 @@
 //! What two triangles may have: features and a crossing, as bits.
 
 /// Features that two triangles may have, and whether they may cross, as bits. Corner `k` of the first triangle over the
-/// face of the second is bit `k`; corner `k` of the second over the first is bit `3 + k`; edge `k` of the first with edge
-/// `l` of the second is bit `6 + 3 k + l`; the crossing is [`CROSSING`].
+/// face of the second is bit `k`; corner `k` of the second over the first is bit `3 + k`; edge `k` of the first with
+/// edge `l` of the second is bit `6 + 3 k + l`; the crossing is [`CROSSING`].
 pub type FeatureBits = u16;
 
 /// The bit of [`FeatureBits`] for the crossing of two triangles.

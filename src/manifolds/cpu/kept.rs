@@ -10,8 +10,8 @@ use std::sync::{Arc, Weak};
 
 /// Rounding allowance of motions, in units of the bodies' size. Surfaces that do not cross are at least this far apart.
 const ROUNDING: f64 = 1.0e-9;
-/// Upper bound of the distance of surfaces that the triangle test cannot tell from intersecting ones, in units of the sum of
-/// the bounding radii and of the distances of the meshes' origins.
+/// Upper bound of the distance of surfaces that the triangle test cannot tell from intersecting ones, in units of the
+/// sum of the bounding radii and of the distances of the meshes' origins.
 const UNDECIDED: f64 = 1.0e-13;
 /// Most candidates of each kind kept for a pair: 4 MiB. The flanks of a finely tessellated thread have so many.
 const MAX_CANDIDATES: usize = 1 << 18;

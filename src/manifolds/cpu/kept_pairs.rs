@@ -27,8 +27,8 @@ pub struct KeptPair {
 }
 
 impl KeptPairs {
-    /// What these pairs keep, one for each, in their order. Pairs are ascending. What other pairs keep is dropped, unless
-    /// they are to wait.
+    /// What these pairs keep, one for each, in their order. Pairs are ascending. What other pairs keep is dropped,
+    /// unless they are to wait.
     pub fn of(
         &mut self,
         pairs: impl Iterator<Item = [u32; 2]> + Clone,

@@ -1,10 +1,10 @@
 //! Contact points that move with the bodies.
 //!
-//! The points of bodies that overlap deeply are expensive to find, and need not be exact: they only push the bodies apart. So in
-//! a step of several collision substeps such a pair keeps its points until its surfaces have moved relative to each other
-//! about twice as far as they may in one collision substep. Until then other surfaces of the pair may come near without
-//! having points. Other pairs do not keep theirs: a corner that comes over a face has a point that it did not have when it
-//! was beside it.
+//! The points of bodies that overlap deeply are expensive to find, and need not be exact: they only push the bodies
+//! apart. So in a step of several collision substeps such a pair keeps its points until its surfaces have moved
+//! relative to each other about twice as far as they may in one collision substep. Until then other surfaces of the
+//! pair may come near without having points. Other pairs do not keep theirs: a corner that comes over a face has a
+//! point that it did not have when it was beside it.
 
 use super::kept::RelativePose;
 use super::pair::Pair;

@@ -20,8 +20,8 @@ use std::ops::Range;
 pub struct NearTriangles {
     /// The near clusters of the first body.
     firsts: Vec<[SmallTriangle; CLUSTER]>,
-    /// Clusters of the second body, each with a lane of a cluster of the first that may be near: eight times the index of the
-    /// cluster plus the lane.
+    /// Clusters of the second body, each with a lane of a cluster of the first that may be near: eight times the index
+    /// of the cluster plus the lane.
     rows: Vec<u32>,
     box_pairs: NearBoxPairs,
     pairs: Vec<SmallPair>,
@@ -40,9 +40,9 @@ pub struct NearTriangles {
 pub const NOT_LISTED: u32 = u32::MAX;
 
 impl NearTriangles {
-    /// Finds all pairs of triangles that may cross, or have a feature, after a motion within the slack, and some others.
-    /// The first triangles are those of a range of the first body's near clusters. `size` is the sum of the bounding
-    /// radii.
+    /// Finds all pairs of triangles that may cross, or have a feature, after a motion within the slack, and some
+    /// others. The first triangles are those of a range of the first body's near clusters. `size` is the sum of the
+    /// bounding radii.
     pub fn run(&mut self, sides: &[Side; 2], size: f32, search: &Search, clusters: &NearClusters, range: Range<usize>) {
         with_simd!(simd => self.run_with(simd, sides, size, search, clusters, range));
     }
@@ -127,8 +127,8 @@ impl NearTriangles {
         }
     }
 
-    /// Calls `found` for each pair that [`NearTriangles::run`] found, in order, with both triangles. It also gets, for both,
-    /// an index that it may set; it is [`NOT_LISTED`] at first.
+    /// Calls `found` for each pair that [`NearTriangles::run`] found, in order, with both triangles. It also gets, for
+    /// both, an index that it may set; it is [`NOT_LISTED`] at first.
     #[inline(always)]
     pub fn for_each_pair(
         &mut self,
@@ -156,8 +156,8 @@ impl NearTriangles {
         }
     }
 
-    /// Calls `found` for each pair of triangles no farther apart than `most` that may have features between nearest points, by
-    /// their numbers. `clusters` and `size` are those of [`NearTriangles::run`].
+    /// Calls `found` for each pair of triangles no farther apart than `most` that may have features between nearest
+    /// points, by their numbers. `clusters` and `size` are those of [`NearTriangles::run`].
     pub fn for_each_nearest(&mut self, size: f32, clusters: &NearClusters, most: f64, mut found: impl FnMut(GapPair)) {
         let Self { firsts, nearest, .. } = self;
         let triangles = [&firsts[..], clusters.triangles()].map(<[_]>::as_flattened);

@@ -71,8 +71,8 @@ impl NearClusters {
         self.count = self.descent.pairs().map(|(_, others)| others.len()).sum();
     }
 
-    /// The near clusters of the first body in a range, each with those of the second that are near it, by their indices in
-    /// [`NearClusters::seconds`].
+    /// The near clusters of the first body in a range, each with those of the second that are near it, by their indices
+    /// in [`NearClusters::seconds`].
     pub fn pairs(&self, range: Range<usize>) -> impl Iterator<Item = (u32, &[u32])> {
         self.descent.pairs().skip(range.start).take(range.len())
     }

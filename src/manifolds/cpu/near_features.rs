@@ -8,8 +8,8 @@ use super::feature::{Feature, Origin, TrianglePair};
 
 /// A feature must be nearer than others by this part.
 pub(crate) const NEARER: f64 = 1.0 - 1.0e-6;
-/// Features of solids count if they are farther apart than the nearest by no more than this part of the margin: both ends of
-/// two edges that are all but parallel.
+/// Features of solids count if they are farther apart than the nearest by no more than this part of the margin: both
+/// ends of two edges that are all but parallel.
 pub(crate) const BESIDE: f64 = 0.1;
 
 /// Features between nearest points, and memory kept between pairs.

@@ -1,8 +1,9 @@
 //! What eight pairs of triangles may have, from the planes of both.
 //!
-//! Between finely tessellated surfaces a wide margin holds very many triangles that are near each other, and few of them
-//! have a feature. A vertex lies over a face only if the two overlap when projected along the face's normal. Edges form
-//! a feature only if their faces point at each other. Pairs that can neither have a feature nor cross are dropped here.
+//! Between finely tessellated surfaces a wide margin holds very many triangles that are near each other, and few of
+//! them have a feature. A vertex lies over a face only if the two overlap when projected along the face's normal. Edges
+//! form a feature only if their faces point at each other. Pairs that can neither have a feature nor cross are dropped
+//! here.
 
 use super::feature_bits::{CROSSING, FeatureBits, corner_features, edge_features};
 use super::precision::AROUND_ERROR;
@@ -24,8 +25,8 @@ pub struct NearLanes {
     pub crossing: u32,
     /// For each corner of the first triangle, lanes in which it may be over the second; and the other way round.
     corners: [[u32; 3]; 2],
-    /// For each edge of the first triangle, lanes in which it may have a feature with an edge of the second; and the other
-    /// way round.
+    /// For each edge of the first triangle, lanes in which it may have a feature with an edge of the second; and the
+    /// other way round.
     edges: [[u32; 3]; 2],
     /// Lanes in which a vertex or an edge of one may be nearest to one of the other.
     pub nearest: u32,
@@ -137,9 +138,9 @@ fn boxes_are_within<S: Simd>(a: &EightTriangles<S>, b: &EightTriangles<S>, most:
     )
 }
 
-/// Lanes in which the triangles may have features of separation up to the reach: a corner of the first over the second, a
-/// corner of the second over the first, or two edges. The points of a feature lie on a line along its normal, which is a
-/// face's, or within [`EightTriangles::edge_rotation`] of the normals of the faces at both edges.
+/// Lanes in which the triangles may have features of separation up to the reach: a corner of the first over the second,
+/// a corner of the second over the first, or two edges. The points of a feature lie on a line along its normal, which
+/// is a face's, or within [`EightTriangles::edge_rotation`] of the normals of the faces at both edges.
 #[inline(always)]
 fn may_have_features<S: Simd>(
     [a, b]: [&EightTriangles<S>; 2],

@@ -1,9 +1,9 @@
-//! Features between nearest points: a corner and an edge, two corners, edges of any angle, and, of two-sided triangles, a
-//! corner over the back of a face.
+//! Features between nearest points: a corner and an edge, two corners, edges of any angle, and, of two-sided triangles,
+//! a corner over the back of a face.
 //!
-//! The way from one point to the other is the normal. It must be the shortest of all ways nearby: no face and no edge of
-//! either feature leads nearer to the other point. So no feature is found where a corner over a face, or two edges that
-//! cross, are nearer. Parallel edges touch with the ends of the part along which they overlap.
+//! The way from one point to the other is the normal. It must be the shortest of all ways nearby: no face and no edge
+//! of either feature leads nearer to the other point. So no feature is found where a corner over a face, or two edges
+//! that cross, are nearer. Parallel edges touch with the ends of the part along which they overlap.
 
 use super::candidates::squared_distance;
 use super::feature::{Feature, OUTSIDE, Origin, TrianglePair};
@@ -199,8 +199,8 @@ impl TrianglePair<'_> {
         );
     }
 
-    /// Whether the triangles may have features between nearest points no farther apart than `most` after a motion within
-    /// the slack.
+    /// Whether the triangles may have features between nearest points no farther apart than `most` after a motion
+    /// within the slack.
     pub fn may_have_nearest(&self, most: f64, slack: Slack) -> bool {
         let allowance = Allowance {
             slack,

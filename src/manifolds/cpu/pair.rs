@@ -19,8 +19,8 @@ use crate::state::PlacedMesh;
 use glam::{DMat3, DVec3};
 use std::array;
 
-/// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays. The search for features takes
-/// time with the depth: with 0.04 in place of 0.025, contact points of knots take a sixth more.
+/// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays. The search for
+/// features takes time with the depth: with 0.04 in place of 0.025, contact points of knots take a sixth more.
 pub(crate) const MAX_DEPTH: f64 = 0.025;
 /// A smaller overlap, in the same unit, counts as touching, so that rounding does not drop contacts of resting bodies.
 const TOUCH: f64 = 1.0e-6;
@@ -42,7 +42,8 @@ const MIDDLE: u8 = 5;
 const DEEPEST: u8 = 6;
 /// How far to the side of a patch, in units of its depth there, a vertex may lie that belongs to it.
 pub(crate) const ASIDE: f64 = 2.0;
-/// A vertex counts if it is deeper than the ray through the patch's middle by this factor: on a ball it is hardly deeper.
+/// A vertex counts if it is deeper than the ray through the patch's middle by this factor: on a ball it is hardly
+/// deeper.
 pub(crate) const DEEPER: f64 = 1.02;
 
 /// Memory kept between pairs.
@@ -237,8 +238,9 @@ struct Probe {
     separation: f64,
 }
 
-/// Casts rays along a patch's normal through each of `places`; `None` unless both leave a body. They start slightly before it:
-/// a contour around a part that protrudes through a flat face lies in that face, and rounding may put the place outside.
+/// Casts rays along a patch's normal through each of `places`; `None` unless both leave a body. They start slightly
+/// before it: a contour around a part that protrudes through a flat face lies in that face, and rounding may put the
+/// place outside.
 fn probes<const N: usize>(sides: &[Side; 2], patch: &Patch, places: [DVec3; N], size: f64) -> [Option<Probe>; N] {
     let (n, back) = (patch.normal, TOUCH * size);
     let most = RAY_LENGTH * size + back;
@@ -257,8 +259,8 @@ fn probes<const N: usize>(sides: &[Side; 2], patch: &Patch, places: [DVec3; N], 
     })
 }
 
-/// Casts rays along a patch's normal from the vertices of both bodies that reach deepest, if they reach deeper than features and
-/// than the ray through its middle: the end of a slender body lies far from there.
+/// Casts rays along a patch's normal from the vertices of both bodies that reach deepest, if they reach deeper than
+/// features and than the ray through its middle: the end of a slender body lies far from there.
 fn deepest_probes(
     sides: &[Side; 2],
     patch: &Patch,

@@ -16,8 +16,8 @@ use crate::simd::lanes::{
 use crate::state::mesh_arena::{Stored, StoredPoints};
 use glam::Vec3;
 
-/// The boxes of eight triangles in single precision, relative to the first body's centre of mass. Only triangles of near
-/// pairs are computed in double precision.
+/// The boxes of eight triangles in single precision, relative to the first body's centre of mass. Only triangles of
+/// near pairs are computed in double precision.
 #[derive(Default)]
 pub struct PlacedCluster {
     min: StoredPoints,

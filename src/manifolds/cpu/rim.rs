@@ -1,6 +1,6 @@
-//! Overlaps at the rims of open meshes. A contour that ends at a rim encloses nothing, so it has no area whose normal would
-//! separate the bodies. A rim within the other body leaves it through the other body's surface along the contour. Two rims
-//! that have crossed part along the contour.
+//! Overlaps at the rims of open meshes. A contour that ends at a rim encloses nothing, so it has no area whose normal
+//! would separate the bodies. A rim within the other body leaves it through the other body's surface along the contour.
+//! Two rims that have crossed part along the contour.
 
 use super::crossing::Segment;
 use super::feature::{Feature, Origin};
@@ -13,8 +13,8 @@ use glam::DVec3;
 pub(crate) const MIN_MEAN: f64 = 0.1;
 /// The depth of a parabola halfway from its middle to its ends.
 pub(crate) const HALFWAY_DEPTH: f64 = 0.75;
-/// Points on a rim: in the middle of the part within the other body, and halfway to both of its ends, with the depth of a
-/// parabola.
+/// Points on a rim: in the middle of the part within the other body, and halfway to both of its ends, with the depth of
+/// a parabola.
 const ON_RIM: [(f64, f64); 3] = [(0.0, 1.0), (0.5, HALFWAY_DEPTH), (-0.5, HALFWAY_DEPTH)];
 
 /// An end of a contour at a rim.

@@ -62,7 +62,8 @@ pub struct Window {
     count: usize,
     /// Bound of the angle by which features differ from the normals of their regions, as a chord.
     pub chord: f32,
-    /// The first triangle must extend farther along this direction than the second's lower bound. Zero accepts every pair.
+    /// The first triangle must extend farther along this direction than the second's lower bound. Zero accepts every
+    /// pair.
     pub direction: Vec3,
 }
 

@@ -177,8 +177,8 @@ impl Side<'_> {
         self.rotations(simd, &self.features.edge_normal_rotations, first)
     }
 
-    /// For eight triangles from `first` on, the largest angle between a triangle's normal and the way to a point to which it
-    /// is nearest at a vertex or edge that it owns, radians.
+    /// For eight triangles from `first` on, the largest angle between a triangle's normal and the way to a point to
+    /// which it is nearest at a vertex or edge that it owns, radians.
     #[inline(always)]
     pub fn nearest_rotations<S: Simd>(&self, simd: S, first: u32) -> f32x8<S> {
         self.rotations(simd, &self.features.nearest_rotations, first)

@@ -31,8 +31,8 @@ pub struct EightTriangles<S: Simd> {
     pub edge_rotation: f32x8<S>,
     /// Sum of the sides of the triangle's box.
     pub sides: f32x8<S>,
-    /// Largest angle between the triangle's normal and the way to a point to which it is nearest at a vertex or edge that it
-    /// owns, radians; negative if the corners are clockwise seen from outside.
+    /// Largest angle between the triangle's normal and the way to a point to which it is nearest at a vertex or edge
+    /// that it owns, radians; negative if the corners are clockwise seen from outside.
     pub nearest_rotation: f32x8<S>,
 }
 

@@ -1,8 +1,8 @@
 //! Contact on the smooth surface that a fine mesh approximates.
 //!
 //! On its mesh, a rolling ball touches with one vertex after the other. Each lies ahead of the centre until the next
-//! collision substep, and lifts the ball over its facets. The ball would lose speed as if its facets were as long as its
-//! travel in a collision substep, or gain some: it falls from a vertex, and the solver lifts it out of the overlap
+//! collision substep, and lifts the ball over its facets. The ball would lose speed as if its facets were as long as
+//! its travel in a collision substep, or gain some: it falls from a vertex, and the solver lifts it out of the overlap
 //! onto the next. Balls in an off-centre impact would be deflected along the normals of the facets that lie most across
 //! their path, which touch first. So such a surface touches where the smooth surface through its vertices does, which
 //! lies up to a hundredth of its radius of curvature outside of the facets.
@@ -192,8 +192,8 @@ impl RoundVertex {
     }
 }
 
-/// The contact at a feature, for the radii of curvature of the faces there. The second body rotates with `spin` relative to
-/// the first.
+/// The contact at a feature, for the radii of curvature of the faces there. The second body rotates with `spin`
+/// relative to the first.
 pub fn smoothed(sides: &[Side; 2], feature: &Feature, face_radii: [f64; 2], spin: DVec3) -> Smoothed {
     if let Some(round) = between_spheres(sides, feature, face_radii) {
         return round;

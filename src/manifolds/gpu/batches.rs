@@ -1,12 +1,13 @@
 //! The number of batches in which pairs get their contact points.
 //!
-//! A pair needs most of its memory between the search for near triangles and its contact points, and nothing of it afterwards.
-//! So batches of pairs follow each other in the same lists: those of [`ContactScratch`]. Each batch takes as many dispatches as
-//! all pairs would at once, so there is one batch unless the lists become very long.
+//! A pair needs most of its memory between the search for near triangles and its contact points, and nothing of it
+//! afterwards. So batches of pairs follow each other in the same lists: those of [`ContactScratch`]. Each batch takes
+//! as many dispatches as all pairs would at once, so there is one batch unless the lists become very long.
 //!
-//! The rule: as many batches as [`BatchSize::bytes`] fit into the scratch memory that all pairs would take at once, rounded up.
-//! There are more when a list of a batch is too short, and fewer when half as many would have done for hundreds of steps. What
-//! all pairs would take does not depend on the number of batches, so the number does not go back and forth.
+//! The rule: as many batches as [`BatchSize::bytes`] fit into the scratch memory that all pairs would take at once,
+//! rounded up. There are more when a list of a batch is too short, and fewer when half as many would have done for
+//! hundreds of steps. What all pairs would take does not depend on the number of batches, so the number does not go
+//! back and forth.
 //!
 //! A pair that takes more than a batch should makes the lists longer instead of adding batches, because it would be as
 //! large in any batch. Only if a list would be longer than the device allows, the number of batches is doubled,
@@ -53,8 +54,8 @@ impl BatchSize {
         }
     }
 
-    /// The capacity that a run in `batches` batches needed, by its counters, and the number of batches that it should have
-    /// had. The lists are those of its own batches.
+    /// The capacity that a run in `batches` batches needed, by its counters, and the number of batches that it should
+    /// have had. The lists are those of its own batches.
     pub fn needed(&self, counters: &[u32], batches: u32) -> ContactCapacity {
         let of = |counter: u32| counters[counter as usize];
         let fullest = ContactCapacity {

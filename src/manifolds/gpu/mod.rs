@@ -24,9 +24,9 @@
 //!
 //! Pairs of bodies that sleep or have completed their step are not active: they keep their contact points.
 //!
-//! From `arguments` to `reduce` the kernels run for one batch of active pairs, and then for the next in the same lists: a pair needs most
-//! of its memory until it has its points, and none of that afterwards. There is one batch unless these lists become very long:
-//! see [`batches`](mod@batches). The others run once, for all pairs.
+//! From `arguments` to `reduce` the kernels run for one batch of active pairs, and then for the next in the same lists:
+//! a pair needs most of its memory until it has its points, and none of that afterwards. There is one batch unless
+//! these lists become very long: see [`batches`](mod@batches). The others run once, for all pairs.
 //!
 //! The results are two lists without gaps, ascending by the numbers of the bodies, and counters. The counters hold the
 //! lengths of the results and tell whether an intermediate list overflowed. Test `CONTACTS_SKIPPED` first: if it is
@@ -34,19 +34,20 @@
 //! i`.
 //!
 //! The range of a pair in the intermediate lists depends on the order of workgroups. The order within the range is that
-//! of the trees, and the order of the results follows from a scan. So a device always gives the same bits, in any number of
-//! batches.
+//! of the trees, and the order of the results follows from a scan. So a device always gives the same bits, in any
+//! number of batches.
 //!
-//! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components, or to
-//! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table. Of pairs
-//! that are apart a workgroup looks at all pairs of triangles within the margin, also of large meshes.
+//! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components,
+//! or to their logarithms times them: features find their patches in a tree, and features of a vertex each other in a
+//! hash table. Of pairs that are apart a workgroup looks at all pairs of triangles within the margin, also of large
+//! meshes.
 //!
 //! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
 //! loose contour ends of a pair are not tied, and only 1024 components of a mesh are tested for containment.
 //!
-//! Points of first contact are searched for among the triangles within the margin, and colliders of compounds turn about their own
-//! centres meanwhile. What comes nearer than a quarter of the rest offset touches there.
+//! Points of first contact are searched for among the triangles within the margin, and colliders of compounds turn
+//! about their own centres meanwhile. What comes nearer than a quarter of the rest offset touches there.
 
 pub mod batches;
 pub mod buffers;

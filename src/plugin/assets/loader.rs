@@ -21,10 +21,10 @@
 //! handle is dropped. Face tables are baked one after the other. Bevy keeps the file of a waiting load open, and a
 //! thousand open files are more than some systems allow: bake so many tables ahead of time.
 //!
-//! A `.faceoff` file holds the hash of its source. If a recipe of the same name lies beside it, and what the recipe names has
-//! changed since, a warning says so and the mesh is baked anew. Without a recipe there is only a warning, if a mesh file of the
-//! same name is not the one that was baked. So keep the recipe beside the baked file while you work on the mesh. A game
-//! that is shipped with baked files alone reads nothing else.
+//! A `.faceoff` file holds the hash of its source. If a recipe of the same name lies beside it, and what the recipe
+//! names has changed since, a warning says so and the mesh is baked anew. Without a recipe there is only a warning, if
+//! a mesh file of the same name is not the one that was baked. So keep the recipe beside the baked file while you work
+//! on the mesh. A game that is shipped with baked files alone reads nothing else.
 //!
 //! This describes `AssetMode::Unprocessed`, Bevy's default. For `AssetMode::Processed` see
 //! [`processor`](super::processor).

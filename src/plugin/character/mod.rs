@@ -18,8 +18,8 @@
 //! 4. looks for the ground. On the ground it follows stairs and slopes down.
 //!
 //! All of it is casts of the capsule ([`SpatialQuery::cast_shape`](crate::plugin::queries::SpatialQuery::cast_shape)),
-//! which are exact on the triangles. The capsule keeps the distance [`Character::skin`] from surfaces, so it does not catch on
-//! the edges between the faces of a floor.
+//! which are exact on the triangles. The capsule keeps the distance [`Character::skin`] from surfaces, so it does not
+//! catch on the edges between the faces of a floor.
 
 mod capsule;
 mod placed;
@@ -35,11 +35,11 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::FRAC_PI_4;
 
-/// A capsule that is moved by its velocity and stopped by colliders and planes. By default it is 1.8 metres high, with a radius
-/// of 0.3 metres.
+/// A capsule that is moved by its velocity and stopped by colliders and planes. By default it is 1.8 metres high, with
+/// a radius of 0.3 metres.
 ///
-/// Its `Transform` is the centre of the capsule. The step writes the translation; the rotation is the game's, and turns the
-/// capsule.
+/// Its `Transform` is the centre of the capsule. The step writes the translation; the rotation is the game's, and turns
+/// the capsule.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -66,13 +66,13 @@ use std::f32::consts::FRAC_PI_4;
 /// * It is stopped by everything that its filter admits, except sensors, its own entity and the colliders of its own
 ///   body.
 /// * It does not push bodies itself, and they do not see it. Give it a `RigidBody::Kinematic` and a
-///   [`MeshCollider`](crate::plugin::components::MeshCollider) for that. These follow it in the next step. To push dynamic
-///   bodies, make the mesh wider than radius plus skin, or leave the layers of these bodies out of the filter.
+///   [`MeshCollider`](crate::plugin::components::MeshCollider) for that. These follow it in the next step. To push
+///   dynamic bodies, make the mesh wider than radius plus skin, or leave the layers of these bodies out of the filter.
 /// * [`GravityScale`](crate::plugin::components::GravityScale) works on it; 0 lets it fly.
 /// * Under a parent that moves it is moved by that too, so do not spawn it below a platform.
 /// * [`RigidBodyDisabled`](crate::plugin::components::RigidBodyDisabled) stops it. It stands still where queries find
-///   nothing ([`SpatialQuery::check`](crate::plugin::queries::SpatialQuery::check)), and if its numbers are not valid; then a
-///   warning names it.
+///   nothing ([`SpatialQuery::check`](crate::plugin::queries::SpatialQuery::check)), and if its numbers are not valid;
+///   then a warning names it.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 #[require(Transform, CharacterGround)]
@@ -85,10 +85,10 @@ pub struct Character {
     pub up: Dir3,
     /// The velocity that the game wants, m/s. After the step it is the possible velocity, without the part into walls.
     ///
-    /// On the ground it is relative to the ground. After the step it is horizontal, also on slopes. To jump, set a part along `up`.
-    /// In the air it is relative to the world, and gravity changes it. When the character leaves the ground, the velocity of the
-    /// ground is added to its own. When it lands on ground that moves, it keeps its velocity in the world until the game sets
-    /// another one.
+    /// On the ground it is relative to the ground. After the step it is horizontal, also on slopes. To jump, set a part
+    /// along `up`. In the air it is relative to the world, and gravity changes it. When the character leaves the
+    /// ground, the velocity of the ground is added to its own. When it lands on ground that moves, it keeps its
+    /// velocity in the world until the game sets another one.
     pub velocity: Vec3,
     /// The steepest slope on which it stands and walks, radians. Default 45 degrees. It slides down from steeper ones.
     pub max_slope: f32,

@@ -38,8 +38,8 @@ impl Default for Density {
 
 /// Inertia tensor about the centre of mass in the body's own axes, in kg m^2. Overrides the inertia of the shape.
 ///
-/// It must be symmetric and positive definite. [`AngularInertia::principal`] makes one from principal moments. Default 1 about
-/// every axis.
+/// It must be symmetric and positive definite. [`AngularInertia::principal`] makes one from principal moments. Default
+/// 1 about every axis.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AngularInertia(pub Mat3);
@@ -73,8 +73,8 @@ pub struct LinearDamping(pub f32);
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AngularDamping(pub f32);
 
-/// Largest speed of a body's centre of mass, in m/s. Without this component, or if it is negative, there is no limit. Default
-/// infinite.
+/// Largest speed of a body's centre of mass, in m/s. Without this component, or if it is negative, there is no limit.
+/// Default infinite.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MaxLinearSpeed(pub f32);
@@ -106,9 +106,9 @@ impl Default for MaxAngularSpeed {
 /// own velocity, and the contact solver handles the contact in the next collision substep. Bodies with this component
 /// cause more collision substeps only after they met something.
 ///
-/// * It costs a search for each body near the path. A search takes some microseconds if the two stay apart, and tens to hundreds
-///   of microseconds near many triangles. When bodies have met, each of their neighbours costs another search. A pile of 100
-///   balls costs about ten times as much if all have this component.
+/// * It costs a search for each body near the path. A search takes some microseconds if the two stay apart, and tens to
+///   hundreds of microseconds near many triangles. When bodies have met, each of their neighbours costs another search.
+///   A pile of 100 balls costs about ten times as much if all have this component.
 /// * Add it to fast bodies, not to the bodies that they may hit. Doors and crates need it only if they are fast
 ///   themselves.
 /// * A body squeezed between two others may overlap one of them: a dynamic body rather than a kinematic one, and a
@@ -118,9 +118,10 @@ impl Default for MaxAngularSpeed {
 ///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)). On a sensor or a kinematic body the
 ///   component has only this effect.
 /// * Planes do not need it: no body passes through them.
-/// * Steps with such bodies stay on the GPU, with the same guarantees. The CPU stops these bodies during the step. For that it
-///   waits for the GPU once in each collision substep, or up to three times if something is near a path, and once more at the
-///   end of the step. It also does so with [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
+/// * Steps with such bodies stay on the GPU, with the same guarantees. The CPU stops these bodies during the step. For
+///   that it waits for the GPU once in each collision substep, or up to three times if something is near a path, and
+///   once more at the end of the step. It also does so with
+///   [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
 ///   [`Readback::Resident`](crate::plugin::settings::Readback::Resident), whose results come as late as in other steps.
 ///   [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts how often it waits.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

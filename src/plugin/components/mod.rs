@@ -18,8 +18,8 @@ use serde::{Deserialize, Serialize};
 /// (`meshes.add(CollisionMesh::new(&mesh))`). The body takes part as soon as the mesh is loaded; until then it stands
 /// still. All bodies of a shape share one handle, at any scale.
 ///
-/// It is not drawn. Give the entity a `Mesh3d` too: a mesh of your own, or, with the feature `bevy_mesh`, the triangles that
-/// collide: `CollisionMesh::to_bevy_mesh`.
+/// It is not drawn. Give the entity a `Mesh3d` too: a mesh of your own, or, with the feature `bevy_mesh`, the triangles
+/// that collide: `CollisionMesh::to_bevy_mesh`.
 ///
 /// [`Density`], [`Friction`](crate::types::material::Friction), [`Restitution`](crate::types::material::Restitution),
 /// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`BodyCulling`] of a collider are on its entity, or
@@ -34,18 +34,19 @@ pub struct MeshCollider(pub Handle<CollisionMesh>);
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct ColliderToCome;
 
-/// An infinite plane that is solid on one side, also called a half-space: the points `p` with `normal . p < distance` are solid,
-/// in the coordinates of its entity. Dynamic bodies collide with it.
+/// An infinite plane that is solid on one side, also called a half-space: the points `p` with `normal . p < distance`
+/// are solid, in the coordinates of its entity. Dynamic bodies collide with it.
 ///
 /// It follows the `Transform` of its entity and of the entities above. A plane that is moved pushes bodies out of
 /// itself, but it has no velocity: it does not carry them along. A lift or a piston is a kinematic body with a mesh.
 ///
-/// Spawn it on an entity of its own. It is never part of a body. It requires a `Transform` so that editors and saved scenes can
-/// move it. It may have [`Friction`](crate::types::material::Friction) and
+/// Spawn it on an entity of its own. It is never part of a body. It requires a `Transform` so that editors and saved
+/// scenes can move it. It may have [`Friction`](crate::types::material::Friction) and
 /// [`Restitution`](crate::types::material::Restitution), and obeys
-/// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`ColliderDisabled`]. With [`Sensor`] it is not solid, and detects
-/// the dynamic and kinematic bodies below it: the surface of a lake, or a depth that no player survives. Collisions with planes are reported like those
-/// with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
+/// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`ColliderDisabled`]. With [`Sensor`] it is not solid,
+/// and detects the dynamic and kinematic bodies below it: the surface of a lake, or a depth that no player survives.
+/// Collisions with planes are reported like those with bodies: by
+/// [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 #[require(Transform)]
@@ -101,8 +102,9 @@ pub struct StableKey(pub u64);
 /// body that passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and
 /// only if the faster one of the two has [`ContinuousCollision`].
 ///
-/// At least one of the two must be dynamic or kinematic. So a static sensor detects dynamic and kinematic bodies, also the door
-/// that it opens, but no static colliders. A dynamic or kinematic sensor detects static colliders too. Ask who came:
+/// At least one of the two must be dynamic or kinematic. So a static sensor detects dynamic and kinematic bodies, also
+/// the door that it opens, but no static colliders. A dynamic or kinematic sensor detects static colliders too. Ask who
+/// came:
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -129,8 +131,8 @@ pub struct StableKey(pub u64);
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensor;
 
-/// Takes a collider or plane out of the world until it is removed: it touches nothing, has no mass, and no query finds it. So
-/// does Bevy's `Disabled`.
+/// Takes a collider or plane out of the world until it is removed: it touches nothing, has no mass, and no query finds
+/// it. So does Bevy's `Disabled`.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColliderDisabled;
@@ -144,8 +146,8 @@ pub struct RigidBodyDisabled;
 /// Places a kinematic body at its `Transform` in the next step, without the velocity of the move
 /// ([`RigidBody::Kinematic`](crate::types::body::RigidBody::Kinematic)). The step removes it.
 ///
-/// A dynamic body whose `Transform` is written is always placed. With interpolation this component shows it at its new place
-/// at once, instead of on its way there.
+/// A dynamic body whose `Transform` is written is always placed. With interpolation this component shows it at its new
+/// place at once, instead of on its way there.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Teleport;
@@ -164,8 +166,8 @@ pub struct DrivenVelocity {
     pub angular: Vec3,
 }
 
-/// Overrides the resource [`Culling`] for this body. It chooses which triangles of this body are tested. The mode of the
-/// other body of a pair chooses among the triangles of that other body.
+/// Overrides the resource [`Culling`] for this body. It chooses which triangles of this body are tested. The mode of
+/// the other body of a pair chooses among the triangles of that other body.
 #[derive(
     Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut, Serialize, Deserialize,
 )]

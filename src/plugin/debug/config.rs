@@ -13,7 +13,8 @@ pub struct FaceoffGizmos {
     /// the mesh is turned. The broad phase of the step tests [`bounding_spheres`](Self::bounding_spheres) instead.
     /// Default `None`.
     pub boxes: Option<Color>,
-    /// The bounding sphere of every collider, as the broad phase tests it, without the margin for motion. Default `None`.
+    /// The bounding sphere of every collider, as the broad phase tests it, without the margin for motion. Default
+    /// `None`.
     pub bounding_spheres: Option<Color>,
     /// The colour of wireframes, boxes and spheres of bodies asleep. `None` draws them like awake ones. Default dark
     /// blue.
@@ -23,8 +24,8 @@ pub struct FaceoffGizmos {
     /// The colour of wireframes, boxes and spheres of colliders that take no part in the step: disabled, rejected, or
     /// sheared while their sheared copy is baked. `None` hides them. Default grey.
     pub left_out: Option<Color>,
-    /// A grid on every [`PlaneCollider`](crate::plugin::components::PlaneCollider) about the place of its entity, and its
-    /// normal. Default `None`.
+    /// A grid on every [`PlaneCollider`](crate::plugin::components::PlaneCollider) about the place of its entity, and
+    /// its normal. Default `None`.
     pub planes: Option<Color>,
     /// Edge length of these grids, metres. Default 10.
     pub plane_size: f32,
@@ -32,8 +33,8 @@ pub struct FaceoffGizmos {
     pub centers_of_mass: Option<Color>,
     /// An arrow along every body's linear velocity, from its centre of mass. Default `None`.
     ///
-    /// It is the component [`LinearVelocity`](crate::types::body::LinearVelocity). A kinematic body that is moved by its
-    /// `Transform` has none.
+    /// It is the component [`LinearVelocity`](crate::types::body::LinearVelocity). A kinematic body that is moved by
+    /// its `Transform` has none.
     pub linear_velocities: Option<Color>,
     /// An arrow along the axis of every body's angular velocity, from its centre of mass. Default `None`.
     pub angular_velocities: Option<Color>,

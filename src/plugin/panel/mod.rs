@@ -23,8 +23,8 @@
 //! | GPU | what the last step asked of a GPU: [`StepReport::gpu`](crate::plugin::collisions::StepReport::gpu) |
 //! | rejected | colliders, bodies and planes that are left out of the step now, newest first, with the reason |
 //!
-//! The panel is an entity with [`FaceoffPanelNode`] and a `Node`: change that to put it elsewhere. It is made when it is
-//! shown first. While it is hidden it costs nothing. In an app without Bevy's UI, without a window or without the
+//! The panel is an entity with [`FaceoffPanelNode`] and a `Node`: change that to put it elsewhere. It is made when it
+//! is shown first. While it is hidden it costs nothing. In an app without Bevy's UI, without a window or without the
 //! step it does no harm.
 
 mod averages;

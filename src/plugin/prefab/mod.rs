@@ -27,9 +27,9 @@
 //! | `faceoff_mass` | a number above 0, kg | object with `faceoff_body` | [`Mass`](crate::plugin::components::Mass) |
 //!
 //! The properties of an object hold for its own mesh, not for the objects below it. Those of an object with
-//! `faceoff_body` also hold for colliders of this body that have none of their own. Properties with other names are left
-//! to others. One that begins with `faceoff` and cannot be read is an error, which names the node and the file; all others
-//! take effect.
+//! `faceoff_body` also hold for colliders of this body that have none of their own. Properties with other names are
+//! left to others. One that begins with `faceoff` and cannot be read is an error, which names the node and the file;
+//! all others take effect.
 //!
 //! # Baked meshes and recipes beside the file
 //!
@@ -40,13 +40,13 @@
 //! (mesh: "machine.glb", part: (mesh: "Gear"), settings: (faces: true))
 //! ```
 //!
-//! Keep the recipe beside the baked file while you work on the scene. It tells what the file was baked from: if that has changed
-//! since, a warning names both and the mesh is baked anew. Without a recipe nothing tells, because a baked file may be
-//! another, simpler mesh on purpose.
+//! Keep the recipe beside the baked file while you work on the scene. It tells what the file was baked from: if that
+//! has changed since, a warning names both and the mesh is baked anew. Without a recipe nothing tells, because a baked
+//! file may be another, simpler mesh on purpose.
 //!
 //! Other characters than letters, digits and `-` in both names become `_`: `Cube.001` of `house.v2.glb` has the recipe
-//! `house_v2_Cube_001.bake.ron`. No file is used for a mesh without a name, with [`ColliderSettings::bake`], for a part of
-//! a mesh, or if Bevy's loader has turned the mesh (`GltfConvertCoordinates::rotate_meshes`).
+//! `house_v2_Cube_001.bake.ron`. No file is used for a mesh without a name, with [`ColliderSettings::bake`], for a part
+//! of a mesh, or if Bevy's loader has turned the mesh (`GltfConvertCoordinates::rotate_meshes`).
 
 mod error;
 mod extras;

@@ -79,13 +79,13 @@ pub struct ColliderSettings {
     pub layers: Option<CollisionLayers>,
     /// Whether the collider is a [`Sensor`](crate::plugin::components::Sensor).
     pub sensor: Option<bool>,
-    /// How to bake the mesh. With `None` a baked mesh or recipe beside the file is used if there is one, and the default
-    /// otherwise.
+    /// How to bake the mesh. With `None` a baked mesh or recipe beside the file is used if there is one, and the
+    /// default otherwise.
     pub bake: Option<BakeSettings>,
 }
 
-/// Triggered on the entity of a [`MeshColliderHierarchy`] when all its colliders are made or refused: after the scene is
-/// spawned, and again after later changes below it. It is triggered too if there is nothing to make.
+/// Triggered on the entity of a [`MeshColliderHierarchy`] when all its colliders are made or refused: after the scene
+/// is spawned, and again after later changes below it. It is triggered too if there is nothing to make.
 #[derive(EntityEvent, MapEntities, Reflect, Clone, Debug)]
 #[reflect(Event, MapEntities, Debug)]
 pub struct MeshColliderHierarchyReady {

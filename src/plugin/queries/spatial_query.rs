@@ -12,9 +12,9 @@ use bevy::prelude::*;
 
 /// Queries colliders and planes: by rays, points, overlaps and casts, exact on the triangles.
 ///
-/// Queries use the poses after the last step, which are those of the components. To see what systems have moved since then, run
-/// [`update_spatial_queries`] before. Queries run on the CPU, wherever the stages run. They need no exclusive access to
-/// anything, so systems that query run in parallel, and may write `Transform`s.
+/// Queries use the poses after the last step, which are those of the components. To see what systems have moved since
+/// then, run [`update_spatial_queries`] before. Queries run on the CPU, wherever the stages run. They need no exclusive
+/// access to anything, so systems that query run in parallel, and may write `Transform`s.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -99,8 +99,8 @@ impl SpatialQuery<'_, '_> {
         Some(self.hit(&hit))
     }
 
-    /// All hits of a ray, in the order of distance: each face that it passes through. A ray through the common edge of two faces
-    /// hits both.
+    /// All hits of a ray, in the order of distance: each face that it passes through. A ray through the common edge of
+    /// two faces hits both.
     pub fn ray_hits(
         &self,
         origin: Vec3,
@@ -156,9 +156,9 @@ impl SpatialQuery<'_, '_> {
         colliders
     }
 
-    /// Where a shape that moves up to `max_distance` metres along `direction`, without turning, first touches something. See
-    /// [`Placed::cast`](crate::queries::Placed::cast): the distance is exact on the triangles, and 0 if the shape touches or
-    /// overlaps something at the start, also if it moves away from it.
+    /// Where a shape that moves up to `max_distance` metres along `direction`, without turning, first touches
+    /// something. See [`Placed::cast`](crate::queries::Placed::cast): the distance is exact on the triangles, and 0 if
+    /// the shape touches or overlaps something at the start, also if it moves away from it.
     pub fn cast_shape(
         &self,
         shape: &QueryShape,

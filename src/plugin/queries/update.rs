@@ -17,8 +17,8 @@ use bevy::math::{DAffine3, DMat3};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
 
-/// A system that updates what [`SpatialQuery`](super::SpatialQuery) sees. Run it before a system that queries, if others have
-/// moved, spawned or removed colliders since the last step.
+/// A system that updates what [`SpatialQuery`](super::SpatialQuery) sees. Run it before a system that queries, if
+/// others have moved, spawned or removed colliders since the last step.
 ///
 /// After each step it runs by itself, if any system queries. With
 /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) it does nothing.

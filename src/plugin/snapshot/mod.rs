@@ -23,8 +23,8 @@ use plain::Plain;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The state of the simulation after a step: poses and velocities of all bodies and characters, reported collisions, sleep
-/// states, and the solver's memory.
+/// The state of the simulation after a step: poses and velocities of all bodies and characters, reported collisions,
+/// sleep states, and the solver's memory.
 ///
 /// The [guide](crate::guide::choose_settings#the-same-bits) tells what gives the same bits, also on two machines.
 ///
@@ -35,15 +35,15 @@ use std::collections::BTreeMap;
 ///
 /// # Saved games, and other worlds
 ///
-/// A snapshot is plain data: it can be written and read with serde. RON and binary formats keep all bits; JSON does not,
-/// because serde_json rounds. Damaged data, or data of another format, is an error when it is read, never a panic
+/// A snapshot is plain data: it can be written and read with serde. RON and binary formats keep all bits; JSON does
+/// not, because serde_json rounds. Damaged data, or data of another format, is an error when it is read, never a panic
 /// later. The memory of a GPU is written in the CPU's format: it is valid on any GPU, but the first step on a GPU after
 /// reading may differ in the last bits from a step without a snapshot.
 ///
 /// A snapshot holds no bodies, only their states. To save a game, write a scene of the bodies (a `DynamicWorld`), and
-/// beside it the snapshot. Bodies of a scene get new entities when it is loaded: let [`MapEntities`] replace those of the
-/// snapshot, with the map that `DynamicWorld::write_to_world` filled. Steps continue to the bit if every collider and plane has
-/// a [`StableKey`](crate::plugin::components::StableKey), and the scene contains it.
+/// beside it the snapshot. Bodies of a scene get new entities when it is loaded: let [`MapEntities`] replace those of
+/// the snapshot, with the map that `DynamicWorld::write_to_world` filled. Steps continue to the bit if every collider
+/// and plane has a [`StableKey`](crate::plugin::components::StableKey), and the scene contains it.
 ///
 /// ```
 /// use bevy::ecs::entity::{EntityHashMap, MapEntities};

@@ -304,8 +304,8 @@ impl Step {
         }
     }
 
-    /// Fills the arrays again, with the poses and velocities that `motion_of` gives for bodies. A body whose new state is
-    /// invalid keeps the old one, which was valid.
+    /// Fills the arrays again, with the poses and velocities that `motion_of` gives for bodies. A body whose new state
+    /// is invalid keeps the old one, which was valid.
     #[cfg(feature = "gpu")]
     pub fn refill(&mut self, motion_of: impl Fn(Entity) -> Option<Motion>) {
         let moved = |body: &Body, motion: Motion| Body {

@@ -1,8 +1,8 @@
 //! Steps with pending results: which body of the last step each body continues, and what users wrote in the meantime.
 //!
-//! Bodies are numbered anew in every step, in the order of entities. Each continues from its row in the motions of the last
-//! step, where compounds follow the colliders. Results are matched to bodies by entity, so late results cannot reach the
-//! wrong body.
+//! Bodies are numbered anew in every step, in the order of entities. Each continues from its row in the motions of the
+//! last step, where compounds follow the colliders. Results are matched to bodies by entity, so late results cannot
+//! reach the wrong body.
 //!
 //! Writes of users are found by comparing components with a [`Shadow`] of them.
 

@@ -68,8 +68,8 @@ impl ShearedMeshes {
         self.copies.is_empty() && self.colliders.is_empty()
     }
 
-    /// The copy of `source` with each vertex `v` at `stretch * v`, for a collider. While another copy than its last one is
-    /// being baked, the last one serves. A collider has one bake at a time. `name` is for the log.
+    /// The copy of `source` with each vertex `v` at `stretch * v`, for a collider. While another copy than its last one
+    /// is being baked, the last one serves. A collider has one bake at a time. `name` is for the log.
     pub fn request(
         &mut self,
         collider: Entity,

@@ -276,8 +276,8 @@ fn is_near(collected: &Collected, input: &StepInput, pair: [Entity; 2]) -> bool 
     }
 }
 
-/// Walks two ascending lists, and calls `send` with each collision that is only in the second (`true`) or only in the first
-/// (`false`).
+/// Walks two ascending lists, and calls `send` with each collision that is only in the second (`true`) or only in the
+/// first (`false`).
 fn differences(before: &[Touching], after: &[Touching], mut send: impl FnMut(&Touching, bool)) {
     let (mut before, mut after) = (before.iter().peekable(), after.iter().peekable());
     loop {

@@ -24,9 +24,9 @@ pub struct SceneCastHit {
 }
 
 impl Scene {
-    /// The first touch of a shape that starts with a pose and moves up to `max_distance` metres along `direction`, without
-    /// turning. See [`Placed::cast`](crate::queries::Placed::cast). Of touches at the same distance it is that of the lower
-    /// number.
+    /// The first touch of a shape that starts with a pose and moves up to `max_distance` metres along `direction`,
+    /// without turning. See [`Placed::cast`](crate::queries::Placed::cast). Of touches at the same distance it is that
+    /// of the lower number.
     pub fn cast(
         &self,
         shape: &QueryShape,

@@ -96,8 +96,8 @@ impl Scene {
         Ok(self.add(Item::Mesh(SceneMesh { mesh, pose })))
     }
 
-    /// Adds a plane and returns its number. The points `p` with `normal . p <= distance` are solid. `normal` may have any length
-    /// but zero; `distance` is along the unit normal, metres.
+    /// Adds a plane and returns its number. The points `p` with `normal . p <= distance` are solid. `normal` may have
+    /// any length but zero; `distance` is along the unit normal, metres.
     ///
     /// # Errors
     /// If a number is not finite, the normal is zero, or the distance beyond 1e9 m.
@@ -169,8 +169,8 @@ impl Scene {
         (tree.tree).along(start, way, most, &mut self.visitor(tree, most, filter, visit));
     }
 
-    /// Calls `visit` with the meshes that pass a filter and may be within `most` metres of a box, nearer ones first. See
-    /// [`Tree::around`].
+    /// Calls `visit` with the meshes that pass a filter and may be within `most` metres of a box, nearer ones first.
+    /// See [`Tree::around`].
     fn meshes_around(
         &self,
         near: WorldBox,

@@ -26,9 +26,9 @@ pub struct ScenePointHit {
 }
 
 impl Scene {
-    /// The point that is nearest to a given one, if it is no farther than `max_distance` metres. That may be infinite. See
-    /// [`Placed::closest_point`](crate::queries::Placed::closest_point). Of several that contain the point it is that of the
-    /// lowest number.
+    /// The point that is nearest to a given one, if it is no farther than `max_distance` metres. That may be infinite.
+    /// See [`Placed::closest_point`](crate::queries::Placed::closest_point). Of several that contain the point it is
+    /// that of the lowest number.
     pub fn closest_point(
         &self,
         point: DVec3,

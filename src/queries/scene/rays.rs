@@ -26,7 +26,8 @@ pub struct SceneRayHit {
 
 impl Scene {
     /// The first hit of a ray. For rays that start on or in something, and for invalid ones, see
-    /// [`Placed::cast_ray`](crate::queries::Placed::cast_ray). Of hits at the same distance it is that of the lower number.
+    /// [`Placed::cast_ray`](crate::queries::Placed::cast_ray). Of hits at the same distance it is that of the lower
+    /// number.
     pub fn cast_ray(&self, ray: &Ray, filter: impl Fn(usize) -> bool) -> Option<SceneRayHit> {
         self.cast_ray_predicate(ray, filter, |_| true)
     }
@@ -86,8 +87,8 @@ impl Scene {
         hits
     }
 
-    /// Calls `found` with what a ray may hit, and the ray as far as hits are wanted. `found` returns the distance up to which to
-    /// go on; a negative one ends the search.
+    /// Calls `found` with what a ray may hit, and the ray as far as hits are wanted. `found` returns the distance up to
+    /// which to go on; a negative one ends the search.
     fn rays(&self, ray: &Ray, filter: &impl Fn(usize) -> bool, found: &mut dyn FnMut(Target, &Ray) -> Option<f64>) {
         let Some(way) = ray.way() else { return };
         let mut ray = *ray;

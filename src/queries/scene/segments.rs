@@ -22,8 +22,8 @@ pub struct SceneSegmentHit {
 
 impl Scene {
     /// The surface that is nearest to a segment with these ends, or in which it is deepest, if it is no farther than
-    /// `max_distance` metres. See [`Placed::closest_to_segment`](crate::queries::Placed::closest_to_segment). Of several at the
-    /// same distance it is that of the lowest number.
+    /// `max_distance` metres. See [`Placed::closest_to_segment`](crate::queries::Placed::closest_to_segment). Of
+    /// several at the same distance it is that of the lowest number.
     pub fn closest_to_segment(
         &self,
         ends: [DVec3; 2],

@@ -73,7 +73,8 @@ impl Spread {
 }
 
 impl Tree {
-    /// A tree over boxes. It takes over the order of `last`, a tree over the same boxes at other places, if that is still good.
+    /// A tree over boxes. It takes over the order of `last`, a tree over the same boxes at other places, if that is
+    /// still good.
     pub fn new(boxes: &[WorldBox], last: Option<&Self>) -> Self {
         if boxes.is_empty() {
             return Self::default();
@@ -118,8 +119,9 @@ impl Tree {
         8.0 * f32::EPSILON * (self.radius + size) as f32
     }
 
-    /// Calls `visit` with the numbers of the boxes that a moving box may meet, nearer ones first. It returns the distance up to
-    /// which to go on; minus infinity ends the visit. The box moves from `start` along the unit vector `way`.
+    /// Calls `visit` with the numbers of the boxes that a moving box may meet, nearer ones first. It returns the
+    /// distance up to which to go on; minus infinity ends the visit. The box moves from `start` along the unit vector
+    /// `way`.
     pub fn along(&self, start: WorldBox, way: DVec3, most: f64, visit: &mut dyn FnMut(u32) -> f64) {
         if self.order.is_empty() {
             return;
@@ -151,14 +153,14 @@ impl Tree {
         });
     }
 
-    /// Calls `visit` with the numbers of the boxes that may be within `most` metres of another one, nearer ones first. It
-    /// returns the distance up to which to go on; minus infinity ends the visit.
+    /// Calls `visit` with the numbers of the boxes that may be within `most` metres of another one, nearer ones first.
+    /// It returns the distance up to which to go on; minus infinity ends the visit.
     pub fn around(&self, near: WorldBox, most: f64, visit: &mut dyn FnMut(u32) -> f64) {
         if self.order.is_empty() {
             return;
         }
-        // A box far away is moved nearer, so that single precision is enough. All distances shrink by that way, but for a part
-        // of the size: b² / 2x if it is then x away, and what it is near to is up to b beside the way.
+        // A box far away is moved nearer, so that single precision is enough. All distances shrink by that way, but for
+        // a part of the size: b² / 2x if it is then x away, and what it is near to is up to b beside the way.
         let apart = near.center - self.origin;
         let size = self.radius + near.half.length();
         let outside = (apart.length() - FAR * size).max(0.0);

@@ -1,18 +1,18 @@
 //! The solver on the GPU, with bodies, contacts and saved impulses in buffers. It uses the method of the CPU's solver.
 //!
-//! Bodies are joined into islands by union-find, and pairs are sorted by island. One workgroup solves an island, with all
-//! its substeps and passes, in one dispatch. Before that it colours the pairs: those of one colour have no body in common
-//! that impulses move. A pass visits the colours one after the other, with a barrier between them, and the pairs of a
-//! colour at once, with one thread each. Colours and sums do not depend on the order of threads, so the same input gives
-//! the same bits.
+//! Bodies are joined into islands by union-find, and pairs are sorted by island. One workgroup solves an island, with
+//! all its substeps and passes, in one dispatch. Before that it colours the pairs: those of one colour have no body in
+//! common that impulses move. A pass visits the colours one after the other, with a barrier between them, and the pairs
+//! of a colour at once, with one thread each. Colours and sums do not depend on the order of threads, so the same input
+//! gives the same bits.
 //!
 //! The pairs of a colour go to 8 threads, or to 64 in islands of more than 128 pairs: a software driver pays for idle
-//! threads as much as for busy ones. A real GPU does not, but there the time is that of the island with the longest chain of
-//! points, one after the other, whatever the number of threads.
+//! threads as much as for busy ones. A real GPU does not, but there the time is that of the island with the longest
+//! chain of points, one after the other, whatever the number of threads.
 //!
-//! Limits: an island of many thousands of pairs occupies one workgroup while the rest of the device is idle. A body with a
-//! thousand pairs needs a thousand colours. Passes are bounded as on the CPU, and further where heavy loads shorten the
-//! substeps, so that no dispatch takes long.
+//! Limits: an island of many thousands of pairs occupies one workgroup while the rest of the device is idle. A body
+//! with a thousand pairs needs a thousand colours. Passes are bounded as on the CPU, and further where heavy loads
+//! shorten the substeps, so that no dispatch takes long.
 //!
 //! | file | contents |
 //! |---|---|
@@ -29,13 +29,13 @@
 //! origin is not lost to rounding. If there are more pairs or points than the lists hold, nothing is solved and
 //! `status` says so.
 //!
-//! Input buffers: `solver_bodies`, `motion_states` and `forces` hold the bodies, followed by the planes. Impulses
-//! in `forces` are cleared. `new_numbers` maps the numbers that bodies had in the last collision substep to those of
-//! this one; `u32::MAX` marks bodies that are gone. `body_paces` has the number of each body's pace among `paces`, or
+//! Input buffers: `solver_bodies`, `motion_states` and `forces` hold the bodies, followed by the planes. Impulses in
+//! `forces` are cleared. `new_numbers` maps the numbers that bodies had in the last collision substep to those of this
+//! one; `u32::MAX` marks bodies that are gone. `body_paces` has the number of each body's pace among `paces`, or
 //! `u32::MAX` if it is static or has completed its step: as on the CPU, each body has its own number of collision
-//! substeps, and a pair whose bodies do not move keeps its impulses. `contact_pairs` holds the touching pairs in ascending order,
-//! `contact_points` their points, and `contact_counters` the number of both. Nothing is solved if `status` says that an
-//! earlier list was too short.
+//! substeps, and a pair whose bodies do not move keeps its impulses. `contact_pairs` holds the touching pairs in
+//! ascending order, `contact_points` their points, and `contact_counters` the number of both. Nothing is solved if
+//! `status` says that an earlier list was too short.
 
 pub mod arguments;
 pub mod buffers;
@@ -54,8 +54,9 @@ use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
 /// Most points times passes of an island in one part of the substeps into which heavy loads divide one.
 ///
-/// On a real GPU the points of a pair come one after the other. Without this limit a single island of 50 points with 16 times
-/// the substeps took a hundred milliseconds of a step. The CPU is much faster at a single island and has no such limit.
+/// On a real GPU the points of a pair come one after the other. Without this limit a single island of 50 points with 16
+/// times the substeps took a hundred milliseconds of a step. The CPU is much faster at a single island and has no such
+/// limit.
 const SUBSTEP_BUDGET: u32 = 4 * substep::PASS_BUDGET;
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {

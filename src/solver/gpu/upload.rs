@@ -19,7 +19,8 @@ const FASTEST: f32 = 1.0e18;
 /// The coarse parts of rotations, and of centres below one metre, are multiples of this.
 pub(super) const COARSE_DIGIT: f64 = 1.0 / (1 << 21) as f64;
 
-/// The parameters of a collision substep with this number of paces. `old_bodies` is the number of bodies in the last one.
+/// The parameters of a collision substep with this number of paces. `old_bodies` is the number of bodies in the last
+/// one.
 pub fn collision_substep(
     settings: &SolverSettings,
     gravity: Vec3,

@@ -13,8 +13,8 @@ use crate::gpu::readback::{DeviceError, scoped};
 use wgpu::Buffer;
 
 impl GpuStep {
-    /// Compiles the kernels for contact points, and with `solves` those of the solver. Creates the buffers, and includes
-    /// topology in the meshes.
+    /// Compiles the kernels for contact points, and with `solves` those of the solver. Creates the buffers, and
+    /// includes topology in the meshes.
     pub(super) fn ensure_contacts(&mut self, solves: bool) -> Result<(), StepError> {
         let wanted = if solves { Compiled::All } else { Compiled::Points };
         if self.contacts.is_some() && self.compiled >= wanted {

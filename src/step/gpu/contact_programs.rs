@@ -43,8 +43,8 @@ pub const START: StepCapacity = StepCapacity {
 /// Stages that find contact points.
 const DETECTION: [Stage; 4] = [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest, Stage::Manifolds];
 
-/// Buffers and calls of steps with contact points. Without [`StepCapacity::solves`] there are none for the solver, whose
-/// kernels may not be compiled.
+/// Buffers and calls of steps with contact points. Without [`StepCapacity::solves`] there are none for the solver,
+/// whose kernels may not be compiled.
 pub struct ContactPrograms {
     /// The buffers of contact generation.
     pub contacts: ContactBuffers,
@@ -187,8 +187,8 @@ impl ContactPrograms {
         }
     }
 
-    /// Records the start of a step with contacts. For each collision substep follow [`ContactPrograms::record_solution`]
-    /// and [`ContactPrograms::record_motion`].
+    /// Records the start of a step with contacts. For each collision substep follow
+    /// [`ContactPrograms::record_solution`] and [`ContactPrograms::record_motion`].
     pub fn record_start(&self, commands: &mut Commands, input: &SolverInput) {
         let Self { step, solver, .. } = self;
         commands.clear(&step.tally);

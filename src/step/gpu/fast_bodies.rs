@@ -52,8 +52,8 @@ struct Excerpt {
 }
 
 impl FastBodies<'_> {
-    /// Stops fast bodies in a collision substep whose contacts are solved by the commands that are recorded so far. Returns
-    /// the number of collision substeps of the step, which the device has counted.
+    /// Stops fast bodies in a collision substep whose contacts are solved by the commands that are recorded so far.
+    /// Returns the number of collision substeps of the step, which the device has counted.
     ///
     /// # Errors
     /// If the device fails.

@@ -1,9 +1,9 @@
-//! A step on the GPU: one submission, whose results are read at once or some steps later. With continuous collision each
-//! collision substep has one to three more, and waits for them.
+//! A step on the GPU: one submission, whose results are read at once or some steps later. With continuous collision
+//! each collision substep has one to three more, and waits for them.
 //!
 //! A step can continue from the last one before the host has read its results, because poses and velocities stay on the
-//! device. If a list overflows, or a step needs more collision substeps than are recorded, a flag on the device makes that
-//! step and all later ones do nothing. The host makes the list longer, or records more, and submits them again.
+//! device. If a list overflows, or a step needs more collision substeps than are recorded, a flag on the device makes
+//! that step and all later ones do nothing. The host makes the list longer, or records more, and submits them again.
 //!
 //! | file | contents |
 //! |---|---|
@@ -159,8 +159,8 @@ const START: Capacity = Capacity {
 };
 
 impl GpuStep {
-    /// Compiles the kernels that the device does not have yet, which takes about a second for all of them. Creates buffers
-    /// for a small scene.
+    /// Compiles the kernels that the device does not have yet, which takes about a second for all of them. Creates
+    /// buffers for a small scene.
     ///
     /// # Errors
     /// If the device cannot run the stages.

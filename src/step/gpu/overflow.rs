@@ -1,8 +1,8 @@
 //! Overflow: lists that were too short are made longer, and the steps in flight are repeated.
 //!
 //! A kernel that finds a list too short sets a flag in `status` and in the step's counters: `broad_phase/arguments`
-//! does for pairs, `step/overflow_lists` and `step/overflow_touches` for other lists. So does `step/begin_substep` if a step
-//! needs more collision substeps than are recorded. That step and all later ones then change nothing.
+//! does for pairs, `step/overflow_lists` and `step/overflow_touches` for other lists. So does `step/begin_substep` if a
+//! step needs more collision substeps than are recorded. That step and all later ones then change nothing.
 
 use super::buffers::StepCapacity;
 use super::fast_bodies::FastBodies;

@@ -4,13 +4,13 @@ use wgpu::Buffer;
 
 /// Two poses of every collider, in the order of the last submitted step. Its results may not be known yet.
 ///
-/// Draw what is between the two poses: at the part of the way that `plugin::drawn_part` tells. Then motion is smooth at any
-/// frame rate, up to one step behind, although components stay as they were. [`Poses::WGSL`] has the functions for that. A
-/// collider that was placed appears at its new place at once.
+/// Draw what is between the two poses: at the part of the way that `plugin::drawn_part` tells. Then motion is smooth at
+/// any frame rate, up to one step behind, although components stay as they were. [`Poses::WGSL`] has the functions for
+/// that. A collider that was placed appears at its new place at once.
 ///
-/// The next step overwrites both buffers, and growing worlds replace them. With Bevy's pipelined rendering the next step
-/// may run before this frame is drawn: copy the buffers on the GPU when the frame is extracted, as the example `swarm`
-/// does.
+/// The next step overwrites both buffers, and growing worlds replace them. With Bevy's pipelined rendering the next
+/// step may run before this frame is drawn: copy the buffers on the GPU when the frame is extracted, as the example
+/// `swarm` does.
 ///
 /// ```
 /// use bevy_faceoff::plugin::Poses;

@@ -1,8 +1,8 @@
 //! How much of each list is read back.
 //!
-//! How long a list will be is not known when its copy is recorded. So a step has room for somewhat more than the last steps
-//! have used, and not for all that its buffers hold. More results are an overflow like any other: the step is repeated
-//! with more room.
+//! How long a list will be is not known when its copy is recorded. So a step has room for somewhat more than the last
+//! steps have used, and not for all that its buffers hold. More results are an overflow like any other: the step is
+//! repeated with more room.
 
 use super::buffers::StepCapacity;
 use crate::gpu::buffers::{Capacity, grow};

@@ -179,7 +179,8 @@ impl LastBodies {
         remap
     }
 
-    /// Finds the bodies of the last step that were fast and no longer are, and removes those with an impact from the fast ones.
+    /// Finds the bodies of the last step that were fast and no longer are, and removes those with an impact from the
+    /// fast ones.
     fn slow_down(&self, remap: &mut BodyRemap) {
         let before: BTreeSet<u32> = self.left_out.iter().chain(self.impacts.keys()).copied().collect();
         for before in before {

@@ -1,9 +1,9 @@
 //! Steps in which all bodies sleep: the device has nothing to do.
 //!
-//! In a step at rest every collider is inactive from the beginning, so contacts are those of the step before, nothing is
-//! solved, and every body that can move is asleep at the end. The kernels `step/finish` and `step/finish_compounds` tell
-//! whether a step was one; `step/remember` then leaves the memory between steps as it is. The next step with the same
-//! input would change nothing, so it is not submitted: its results are those of the last one.
+//! In a step at rest every collider is inactive from the beginning, so contacts are those of the step before, nothing
+//! is solved, and every body that can move is asleep at the end. The kernels `step/finish` and `step/finish_compounds`
+//! tell whether a step was one; `step/remember` then leaves the memory between steps as it is. The next step with the
+//! same input would change nothing, so it is not submitted: its results are those of the last one.
 
 use super::GpuStep;
 use super::results::{Detail, Output};
@@ -35,7 +35,8 @@ impl Rest {
 }
 
 impl GpuStep {
-    /// The results of a step that need not run, because it is at rest like the last one. `earlier` is what was done since.
+    /// The results of a step that need not run, because it is at rest like the last one. `earlier` is what was done
+    /// since.
     pub(super) fn at_rest(&self, earlier: GpuWork) -> Option<Output> {
         let Rest { output, .. } = self.rest.as_ref()?;
         Some(Output {

@@ -91,8 +91,8 @@ pub(super) struct StagingRanges {
 }
 
 impl StagingRanges {
-    /// Ranges for lists of these lengths. `has_points` tells whether there are contact points, and `substeps` for how many
-    /// collision substeps there are times.
+    /// Ranges for lists of these lengths. `has_points` tells whether there are contact points, and `substeps` for how
+    /// many collision substeps there are times.
     pub fn new(lengths: &ReadbackLengths, has_points: bool, input: &Input, substeps: u32, detail: Detail) -> Self {
         let mut total = 0;
         let mut part = |count: u32, size: usize| {

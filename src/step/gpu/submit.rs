@@ -23,8 +23,8 @@ use crate::types::stage::Stage;
 use glam::Vec3;
 
 impl GpuStep {
-    /// Submits a step. `carried` has an entry for each collider of `state` and then for each compound; if it is empty, all
-    /// bodies start as in `state`.
+    /// Submits a step. `carried` has an entry for each collider of `state` and then for each compound; if it is empty,
+    /// all bodies start as in `state`.
     ///
     /// # Errors
     /// If the device cannot hold the bodies or meshes, or fails. All steps in flight are then given up.

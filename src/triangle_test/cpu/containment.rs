@@ -22,8 +22,8 @@ pub fn either_inside([a, b]: [&PlacedMesh; 2], near: &NearPair) -> bool {
     any_inside(a, b, back, -(back * near.translation), pad) || any_inside(b, a, near.rotation, near.translation, pad)
 }
 
-/// Whether `outer` contains a component of `inner`. `rotation` and `translation` lead from the axes of `inner`, about its
-/// centre of mass, to those of `outer`.
+/// Whether `outer` contains a component of `inner`. `rotation` and `translation` lead from the axes of `inner`, about
+/// its centre of mass, to those of `outer`.
 fn any_inside(inner: &PlacedMesh, outer: &PlacedMesh, rotation: Mat3, translation: Vec3, pad: f32) -> bool {
     if !outer.mesh.mesh.is_solid() {
         return false;

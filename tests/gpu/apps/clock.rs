@@ -1,4 +1,5 @@
-//! Clocks that stand still and steps by hand: what is on its way is published, and what waits for the next step is not used up.
+//! Clocks that stand still and steps by hand: what is on its way is published, and what waits for the next step is not
+//! used up.
 
 use super::readback::{active, app, both, opening, poses};
 use crate::app::{STEP, Sim, ball_like};

@@ -95,8 +95,8 @@ fn same_contacts(_: &Gpu) {
     }
 }
 
-/// Balls hit thin plates that stand on a floor, so that the number of collision substeps changes often. Where results come
-/// later, steps are recorded for other numbers, and repeated at other times.
+/// Balls hit thin plates that stand on a floor, so that the number of collision substeps changes often. Where results
+/// come later, steps are recorded for other numbers, and repeated at other times.
 fn same_impacts(_: &Gpu) {
     let mut worlds = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
         let mut sim = app(Backend::Gpu, readback);

@@ -81,8 +81,8 @@ fn among_tori(_: &Gpu) {
     assert_eq!(gpu.report().gpu.unwrap().submissions, 1);
 }
 
-/// Balls that bounce between two walls of 1 cm, one through a sensor, and two that meet head-on. A game gives one of them a
-/// push.
+/// Balls that bounce between two walls of 1 cm, one through a sensor, and two that meet head-on. A game gives one of
+/// them a push.
 fn alley(sim: &mut Sim) -> Vec<Entity> {
     let (ball, cube) = (sim.mesh(&shapes::ball(0.05, 2)), sim.mesh(&shapes::cube(1.0)));
     for x in [-3.0, 3.0] {

@@ -1,5 +1,5 @@
-//! Results that are read two steps later, or stay on the GPU: they are those of steps that wait, two steps later, and what
-//! users write in between is neither lost nor overwritten.
+//! Results that are read two steps later, or stay on the GPU: they are those of steps that wait, two steps later, and
+//! what users write in between is neither lost nor overwritten.
 
 use crate::app::{STEP, Sim, ball_like, resting};
 use crate::gpu::Test;

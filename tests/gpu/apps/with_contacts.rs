@@ -170,8 +170,8 @@ fn lifts() {
     }
 }
 
-/// A body of two colliders with hooks, with which steps run on the CPU, falls beside a heap at rest, and goes again. The
-/// heap does not notice, nor does a body of two colliders that sleeps.
+/// A body of two colliders with hooks, with which steps run on the CPU, falls beside a heap at rest, and goes again.
+/// The heap does not notice, nor does a body of two colliders that sleeps.
 fn there_and_back() {
     for readback in [Readback::Lockstep, Readback::Latent] {
         let (mut sim, mut cubes) = heap(readback);

@@ -300,8 +300,8 @@ fn compare(response: Response) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Changes are differences to what is seen, two steps late: a body that falls for three steps before that is answered has three
-/// steps' velocity, and is three such steps away.
+/// Changes are differences to what is seen, two steps late: a body that falls for three steps before that is answered
+/// has three steps' velocity, and is three such steps away.
 fn held_by_changes(_: &Gpu) {
     let mut world = World::new(Backend::Gpu, Readback::Latent, Response::Impulse);
     let (body, home) = (world.bodies[0], home(0));

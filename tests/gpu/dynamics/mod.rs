@@ -1,5 +1,5 @@
-//! What bodies do that lie on, hang on and fall onto each other, on the device: the scenes of `tests/dynamics`, smaller, and
-//! the same scenes on both sides.
+//! What bodies do that lie on, hang on and fall onto each other, on the device: the scenes of `tests/dynamics`,
+//! smaller, and the same scenes on both sides.
 
 #[path = "../../dynamics/bounce.rs"]
 mod bounce;

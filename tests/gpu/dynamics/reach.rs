@@ -23,8 +23,8 @@ fn work(world: &World) -> GpuWork {
     world.state.results.gpu.expect("the step ran on the device")
 }
 
-/// A formation of balls flies past a level, through a sensor and over a floor far below. With `obstacle` there is a plate in
-/// its way.
+/// A formation of balls flies past a level, through a sensor and over a floor far below. With `obstacle` there is a
+/// plate in its way.
 fn formation(speed: f32, obstacle: bool) -> World {
     let mut world = World::weightless();
     let [ball, cube, level] = [shapes::ball(0.1, 2), shapes::cube(1.0), shapes::ring()].map(|mesh| world.mesh(&mesh));
@@ -139,8 +139,8 @@ pub fn as_on_the_cpu() {
     assert!(seen.iter().any(|&count| count > 3) && seen.contains(&1), "{seen:?}");
 }
 
-/// Some pairs of balls that fly at each other, each pair with another speed, far from the others. Beside each of them a third
-/// ball rests.
+/// Some pairs of balls that fly at each other, each pair with another speed, far from the others. Beside each of them a
+/// third ball rests.
 fn pairs_of_balls(apart: f32) -> World {
     let mut world = World::weightless();
     let ball = world.mesh(&shapes::ball(0.1, 2));
@@ -159,8 +159,8 @@ fn pairs_of_balls(apart: f32) -> World {
     world
 }
 
-/// The numbers of collision substeps of 40 steps of [`pairs_of_balls`]: the largest and the mean, which are the CPU's from the
-/// same poses.
+/// The numbers of collision substeps of 40 steps of [`pairs_of_balls`]: the largest and the mean, which are the CPU's
+/// from the same poses.
 fn numbers_as_on_the_cpu(apart: f32) -> Vec<(u32, f32)> {
     let mut worlds = both(|| pairs_of_balls(apart));
     let numbers = (0..40).map(|step| {

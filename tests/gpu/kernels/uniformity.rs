@@ -1,11 +1,11 @@
 //! Where control flow may differ between the threads of a workgroup, and what must not stand there.
 //!
 //! A value is uniform if it comes from literals, constants, workgroup ids, uniform buffers, read-only storage and
-//! `workgroupUniformLoad` alone.
-//! Everything else counts as varying, and so does what control flow that varies has stored. The analysis follows calls into
-//! functions, and pointers to local variables through them. It does not know in which order a variable is stored and loaded:
-//! one varying store makes all loads of the variable varying. So it complains at least where FXC, the older compiler of
-//! Direct3D 12, does: "thread sync operation must be in non-varying flow control".
+//! `workgroupUniformLoad` alone. Everything else counts as varying, and so does what control flow that varies has
+//! stored. The analysis follows calls into functions, and pointers to local variables through them. It does not know in
+//! which order a variable is stored and loaded: one varying store makes all loads of the variable varying. So it
+//! complains at least where FXC, the older compiler of Direct3D 12, does: "thread sync operation must be in non-varying
+//! flow control".
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use wgpu::naga::{

@@ -8,8 +8,8 @@ use bevy_faceoff::queries::touching;
 use bevy_faceoff::step::StepState;
 use glam::DVec3;
 
-/// Moves the second along `way`, from `start` on, until it overlaps the first by `overlap`; negative for a gap. Nothing if
-/// they do not meet before it has come as far as `stop`.
+/// Moves the second along `way`, from `start` on, until it overlaps the first by `overlap`; negative for a gap. Nothing
+/// if they do not meet before it has come as far as `stop`.
 pub fn against(
     product: &Product,
     a: &Body,

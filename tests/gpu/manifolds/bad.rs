@@ -41,8 +41,8 @@ pub fn bad_pairs(gpu: &Gpu) {
     }
 }
 
-/// Every face of one is near every face of the other: over a million pairs of triangles. A device that leaves long loops
-/// must say so.
+/// Every face of one is near every face of the other: over a million pairs of triangles. A device that leaves long
+/// loops must say so.
 pub fn a_margin_around_everything(gpu: &Gpu) {
     let (product, shapes) = (Product::default(), Shapes::new());
     let bodies = [0.0, 1.2].map(|x| body(&shapes.knot, DVec3::X * x, Quat::IDENTITY));

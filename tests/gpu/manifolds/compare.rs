@@ -167,8 +167,8 @@ pub fn agreement(name: &str, gpu: &Gpu, state: &StepState, pairs: &[MarginPair])
     result
 }
 
-/// Requires the same pairs, the same deepest points but for `shifted` of them, and that no more than this share of points
-/// is without the like.
+/// Requires the same pairs, the same deepest points but for `shifted` of them, and that no more than this share of
+/// points is without the like.
 pub fn require(name: &str, gpu: &Gpu, state: &StepState, pairs: &[MarginPair], shifted: usize, share: f64) {
     let result = agreement(name, gpu, state, pairs);
     assert!(result.pairs > 0, "{name}");

@@ -39,8 +39,8 @@ pub fn cubes_face_on_face(gpu: &Gpu) {
     require("cubes face on face", gpu, &state, &pairs, 0, 0.01);
 }
 
-/// What overlaps by rounding alone has a contour on the CPU and none on the device, or the other way round: what is found
-/// beside the corners differs, not where the bodies are held.
+/// What overlaps by rounding alone has a contour on the CPU and none on the device, or the other way round: what is
+/// found beside the corners differs, not where the bodies are held.
 pub fn cubes_that_touch(gpu: &Gpu) {
     let (state, pairs) = scene(
         &Product::default(),

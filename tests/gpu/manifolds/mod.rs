@@ -1,5 +1,5 @@
-//! The device's contact points against the CPU's: the same pairs, the same depths, and points near each other that push the
-//! same way.
+//! The device's contact points against the CPU's: the same pairs, the same depths, and points near each other that push
+//! the same way.
 
 #[allow(dead_code)]
 #[path = "../../manifolds/scene.rs"]

@@ -32,8 +32,8 @@ pub struct Differences {
 /// Points of contact, parts of the sum of the radii; and normals.
 pub const CONTACT: f32 = 5.0e-4;
 
-/// Velocities, parts of the scene's largest; more where the CPU's points of contact, which are `f32` in the world, lie on
-/// a lattice that is coarse for the body.
+/// Velocities, parts of the scene's largest; more where the CPU's points of contact, which are `f32` in the world, lie
+/// on a lattice that is coarse for the body.
 pub const VELOCITY: f32 = 1.0e-4;
 
 impl Differences {

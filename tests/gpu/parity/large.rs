@@ -80,8 +80,8 @@ pub fn hundreds_of_thousands_of_triangles(gpu: &Gpu) {
     }
 }
 
-/// Surfaces that are close to each other all over, like those of a nut and a bolt: a hundred thousand tests of triangles in
-/// one pair, and no workgroup has more than those of a piece.
+/// Surfaces that are close to each other all over, like those of a nut and a bolt: a hundred thousand tests of
+/// triangles in one pair, and no workgroup has more than those of a piece.
 pub fn one_pair_is_shared_by_many_workgroups(gpu: &Gpu) {
     let scene = two(&shapes::ball(0.5, 5), Vec3::ZERO, Response::Impulse);
     let mut step = GpuStep::with_capacity(gpu.clone(), TINY).unwrap();
@@ -116,8 +116,8 @@ pub fn large_and_small(gpu: &Gpu) {
     }
 }
 
-/// Where the pieces of some pairs no longer fit, the lists of what pieces find grow by what is needed, not by what an earlier
-/// step left in them.
+/// Where the pieces of some pairs no longer fit, the lists of what pieces find grow by what is needed, not by what an
+/// earlier step left in them.
 pub fn pieces_that_do_not_fit_ask_for_nothing(gpu: &Gpu) {
     let mut scene = two(&shapes::ball(0.5, 5), Vec3::new(0.9, 0.1, 0.05), Response::None);
     // Other pairs, which barely touch at first.

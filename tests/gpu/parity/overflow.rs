@@ -60,8 +60,8 @@ pub fn lists_become_shorter(gpu: &Gpu) {
     Bits::of(&crowd.on_gpu(&mut step)).require(&Bits::of(&crowd.on_gpu(&mut new)), "the crowd again");
 }
 
-/// A small world reads little although its buffers are large. A crowd that comes all at once is read as a whole, by a step
-/// that is repeated.
+/// A small world reads little although its buffers are large. A crowd that comes all at once is read as a whole, by a
+/// step that is repeated.
 pub fn room_to_read_follows_use(gpu: &Gpu) {
     let mut step = GpuStep::with_capacity(gpu.clone(), AMPLE).unwrap();
     for response in [Response::Impulse, Response::Contacts] {
@@ -120,7 +120,8 @@ pub fn faces_that_are_only_counted_need_no_room(gpu: &Gpu) {
     }
 }
 
-/// Two meshes that touch in 100,000 places are a long loop. Mesa's llvmpipe leaves loops early; that must not go unnoticed.
+/// Two meshes that touch in 100,000 places are a long loop. Mesa's llvmpipe leaves loops early; that must not go
+/// unnoticed.
 pub fn too_many_places_are_found_or_an_error(gpu: &Gpu) {
     let mut step = GpuStep::new(gpu.clone()).unwrap();
     let mut scene = heap(&strip(4096, f32::MAX), 2, 0.1);
@@ -142,8 +143,8 @@ pub fn too_many_places_are_found_or_an_error(gpu: &Gpu) {
     agree(&heap(&strip(64, 60.0), 80, 4.0), &mut step, "64 triangles").require_no_failures();
 }
 
-/// A crowd with more intersecting faces than a device holds is refused with the need, and the next step is as ever. A real
-/// device would take minutes to be filled, so this one may bind little memory only.
+/// A crowd with more intersecting faces than a device holds is refused with the need, and the next step is as ever. A
+/// real device would take minutes to be filled, so this one may bind little memory only.
 pub fn a_crowd_is_refused_and_leaves_no_trace(gpu: &Gpu) {
     let mut step = GpuStep::new(with_binding_size(gpu, 8 << 20)).unwrap();
     let crowd = heap(&shapes::torus_240(), 80, 0.1);

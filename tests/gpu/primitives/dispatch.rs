@@ -179,8 +179,8 @@ pub fn nothing_after_overflow(gpu: &Gpu) {
     }
 }
 
-/// A step in flight behind one that overflowed has no poses. Its bodies may all be at one place, and a search for pairs would
-/// take time quadratic in their number.
+/// A step in flight behind one that overflowed has no poses. Its bodies may all be at one place, and a search for pairs
+/// would take time quadratic in their number.
 pub fn no_pairs_after_overflow(gpu: &Gpu) {
     const LEVEL: u32 = 31;
     gpu.compile(all_modules(), [&COUNT]).unwrap();

@@ -1,4 +1,5 @@
-//! Scan, sort and dispatches of any size, each against the plainest code that does the same; and compiled kernels on disk.
+//! Scan, sort and dispatches of any size, each against the plainest code that does the same; and compiled kernels on
+//! disk.
 
 mod dispatch;
 mod kernel_cache;

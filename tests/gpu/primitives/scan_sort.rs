@@ -10,8 +10,8 @@ const SIZES: [usize; 21] = [
     300_000, 1_000_000,
 ];
 
-/// What a list of this length may grow to: itself, so that one workgroup handles short lists, and a long list, for which
-/// it takes many.
+/// What a list of this length may grow to: itself, so that one workgroup handles short lists, and a long list, for
+/// which it takes many.
 fn longest(length: usize) -> [u32; 2] {
     [length as u32, 1_000_000]
 }

@@ -1,4 +1,5 @@
-//! avian3d, by default settings but for sleep and the length of a step, with its own contacts or those of avian_faceoff.
+//! avian3d, by default settings but for sleep and the length of a step, with its own contacts or those of
+//! avian_faceoff.
 
 use super::mass::Mass as BodyMass;
 use super::world::{State, World};

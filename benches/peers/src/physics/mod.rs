@@ -1,7 +1,7 @@
 //! How well bodies of meshes behave, in bevy_faceoff and in rapier3d: errors and times side by side.
 //!
-//! Both move the same bodies of the same masses, frictions and restitutions through the same steps, and neither lets them
-//! sleep. What is judged is where bodies are and how they move, by code that knows no engine.
+//! Both move the same bodies of the same masses, frictions and restitutions through the same steps, and neither lets
+//! them sleep. What is judged is where bodies are and how they move, by code that knows no engine.
 
 mod avian;
 mod bounce;
@@ -32,7 +32,8 @@ const HZ: usize = 64;
 #[derive(Args)]
 pub struct Options {
     /// Compare how well bodies behave, in ours and in rapier3d, instead of times on the paper's scenes; a few minutes,
-    /// or half a minute with --quick. Of the other options --limit and --quick hold: --limit is for each case and engine.
+    /// or half a minute with --quick. Of the other options --limit and --quick hold: --limit is for each case and
+    /// engine.
     #[arg(long)]
     pub physics: bool,
     /// Only cases whose names contain this.

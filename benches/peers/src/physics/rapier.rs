@@ -1,4 +1,5 @@
-//! rapier3d, by default settings but for sleep, the length of a step and where the engine says so, with one of four kinds of shapes.
+//! rapier3d, by default settings but for sleep, the length of a step and where the engine says so, with one of four
+//! kinds of shapes.
 
 use super::mass::Mass;
 use super::world::{Engine, State, World};

@@ -1,4 +1,5 @@
-//! A scene that an engine moves, and a thread that it moves in: one that panics or hangs does not take the others along.
+//! A scene that an engine moves, and a thread that it moves in: one that panics or hangs does not take the others
+//! along.
 
 use super::{avian, ours, rapier};
 use crate::engine::{Contacts, THREADS};
@@ -99,8 +100,8 @@ struct Runner {
     news: Receiver<Result<News, String>>,
 }
 
-/// Has each engine do so many steps of its own form of a scene, in turns. Each may take as long as its limit says, which
-/// becomes shorter by what it took.
+/// Has each engine do so many steps of its own form of a scene, in turns. Each may take as long as its limit says,
+/// which becomes shorter by what it took.
 pub fn run(contest: Vec<(Engine, Scene)>, steps: usize, limits: &mut [Duration]) -> Vec<Run> {
     let mut runners: Vec<Runner> = contest.into_iter().map(|(e, scene)| Runner::start(e, scene)).collect();
     // The one to build its shapes does so alone, too.

@@ -11,12 +11,12 @@ use bevy_faceoff::asset::CollisionMesh;
 /// A collider whose contacts with others of its kind are exact: concave meshes, without ghost edges.
 ///
 /// Where the entity has no [`Collider`], it gets one of the same triangles as soon as the mesh is there. Until then its
-/// [`RigidBody`], which may be that of an ancestor, is disabled, so that it does not fall through what is not there yet.
-/// A body waits for the meshes of all its colliders. A [`Collider`] of your own, or the removal of this component, ends the
-/// wait, too.
+/// [`RigidBody`], which may be that of an ancestor, is disabled, so that it does not fall through what is not there
+/// yet. A body waits for the meshes of all its colliders. A [`Collider`] of your own, or the removal of this component,
+/// ends the wait, too.
 ///
-/// A [`Collider`] of your own is kept, whether it comes before or later. It must enclose the mesh, because Avian looks for
-/// contacts only where the boxes of colliders meet.
+/// A [`Collider`] of your own is kept, whether it comes before or later. It must enclose the mesh, because Avian looks
+/// for contacts only where the boxes of colliders meet.
 ///
 /// ```
 /// # use avian3d::prelude::*;
@@ -34,7 +34,8 @@ use bevy_faceoff::asset::CollisionMesh;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ExactCollider(pub Handle<CollisionMesh>);
 
-/// Makes the triangle mesh of the entity's [`Collider`] exact: its triangles are baked, and it gets an [`ExactCollider`].
+/// Makes the triangle mesh of the entity's [`Collider`] exact: its triangles are baked, and it gets an
+/// [`ExactCollider`].
 ///
 /// The collider may come later, from a [`ColliderConstructor`], and may change. The bake takes about as long as the
 /// collider itself: a millisecond for a thousand triangles. Colliders that share their shape share the bake.

@@ -94,8 +94,8 @@ fn on_disable(
     }
 }
 
-/// Avian makes the solver's body of a new body after that was disabled here, if its observer of the new body ran first. It
-/// counts on it that a disabled body has none.
+/// Avian makes the solver's body of a new body after that was disabled here, if its observer of the new body ran first.
+/// It counts on it that a disabled body has none.
 fn on_solver_body(made: On<Add, SolverBody>, waiting: Query<(), With<DisabledByWaiting>>, mut commands: Commands) {
     if waiting.contains(made.entity) {
         commands
@@ -113,7 +113,8 @@ fn on_ready(ready: On<Remove, AwaitsMeshes>, waiting: Query<(), With<DisabledByW
     }
 }
 
-/// Has the colliders of an enabled body in pairs again. Avian's observer looks too early, when the body still is disabled.
+/// Has the colliders of an enabled body in pairs again. Avian's observer looks too early, when the body still is
+/// disabled.
 fn have_pairs(
     In(body): In<Entity>,
     bodies: Query<&RigidBodyColliders, Without<RigidBodyDisabled>>,

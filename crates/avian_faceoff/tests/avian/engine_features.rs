@@ -103,7 +103,8 @@ fn spatial_queries_hit_meshes() {
 
 #[test]
 fn fast_bodies_do_not_tunnel() {
-    // Avian's speculative margin reaches as far as the body moves, and no farther than its size; `SweptCcd` covers the rest.
+    // Avian's speculative margin reaches as far as the body moves, and no farther than its size; `SweptCcd` covers the
+    // rest.
     for swept in [false, true] {
         let mut world = World::new(Contacts::Exact);
         let mut scene = Scene::weightless();

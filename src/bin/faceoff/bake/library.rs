@@ -1,8 +1,9 @@
 //! The bake of many meshes side by side.
 //!
-//! One thread pool does all work: a mesh is a task in it, and the face table of a mesh is many. This thread starts meshes
-//! in the order of the plan while there is memory, and prints in the same order what became of them, so that the output
-//! does not depend on which is ready first. No task waits for memory or for another mesh, so the pool cannot block.
+//! One thread pool does all work: a mesh is a task in it, and the face table of a mesh is many. This thread starts
+//! meshes in the order of the plan while there is memory, and prints in the same order what became of them, so that the
+//! output does not depend on which is ready first. No task waits for memory or for another mesh, so the pool cannot
+//! block.
 
 use super::bar::Bar;
 use super::claim::is_claimed;
@@ -23,7 +24,8 @@ use std::time::Duration;
 /// How often the bar is drawn.
 const TICK: Duration = Duration::from_millis(50);
 
-/// The stack of a thread in bytes. While a thread waits for others to finish parts of its mesh, it may begin another mesh.
+/// The stack of a thread in bytes. While a thread waits for others to finish parts of its mesh, it may begin another
+/// mesh.
 const STACK: usize = 16 << 20;
 
 /// Bakes all entries. Returns their reports in order, and whether all could be printed.
@@ -122,8 +124,8 @@ struct Queue<'a> {
 }
 
 impl Queue<'_> {
-    /// The next mesh: one that was left to another process which has ended its claim, or the next in order, or at last one
-    /// that is still claimed.
+    /// The next mesh: one that was left to another process which has ended its claim, or the next in order, or at last
+    /// one that is still claimed.
     fn next(&mut self, options: &Options, threads: usize) -> Option<Start> {
         let is_free = |at: &usize| {
             self.entries[*at]

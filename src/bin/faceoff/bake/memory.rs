@@ -5,8 +5,8 @@ use serde::Deserialize;
 use std::fs;
 use std::path::Path;
 
-/// Bytes of memory per triangle while a mesh is imported and baked, without a face table. Closed meshes of half a million
-/// triangles take 300, with the bytes of their files.
+/// Bytes of memory per triangle while a mesh is imported and baked, without a face table. Closed meshes of half a
+/// million triangles take 300, with the bytes of their files.
 const TRIANGLE: u64 = 512;
 /// Bytes of memory per triangle in the buffers of a thread that draws for a face table.
 const DRAWN: u64 = 160;
@@ -46,8 +46,8 @@ fn least_bytes_per_triangle(mesh: &Path) -> u64 {
     }
 }
 
-/// The length of a mesh file and of the buffers that it names, in bytes; 0 for what cannot be read. The document tells the
-/// length of a buffer whose URI is not its path.
+/// The length of a mesh file and of the buffers that it names, in bytes; 0 for what cannot be read. The document tells
+/// the length of a buffer whose URI is not its path.
 fn file_bytes(mesh: &Path) -> u64 {
     let length = |path: &Path| fs::metadata(path).map_or(0, |there| if there.is_file() { there.len() } else { 0 });
     let own = length(mesh);

@@ -24,9 +24,9 @@ use std::time::Instant;
 /// command line is wrong. docs/LIBRARY.md has command lines for many machines.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Mesh files: .glb, .gltf, .obj, .stl, .ply, .off, .bake.ron or .faceoff; or folders, of which all meshes but .faceoff
-    /// files are baked, into the same folders below the output. A mesh that a recipe of the folder names is baked by the
-    /// recipe alone. Options override the settings of a .bake.ron file.
+    /// Mesh files: .glb, .gltf, .obj, .stl, .ply, .off, .bake.ron or .faceoff; or folders, of which all meshes but
+    /// .faceoff files are baked, into the same folders below the output. A mesh that a recipe of the folder names is
+    /// baked by the recipe alone. Options override the settings of a .bake.ron file.
     #[arg(required = true)]
     meshes: Vec<PathBuf>,
     /// Folder for the baked files; created if it does not exist.
@@ -47,18 +47,19 @@ pub struct Options {
     /// How to treat a closed mesh whose faces point inward [default: room].
     #[arg(long)]
     inward: Option<InwardChoice>,
-    /// Thickness of the shell that an open mesh weighs if it encloses nothing, relative to the mesh's size [default: 0.01].
+    /// Thickness of the shell that an open mesh weighs if it encloses nothing, relative to the mesh's size [default:
+    /// 0.01].
     #[arg(long, value_name = "PART")]
     shell_thickness: Option<f32>,
     /// Bake meshes even if they are up to date.
     #[arg(long)]
     force: bool,
-    /// Bake only one part of the meshes: I of N, from 1/N to N/N. All parts together bake each mesh once. With auto, Slurm's
-    /// array variables give I and N; with auto/N, Kubernetes' JOB_COMPLETION_INDEX gives I.
+    /// Bake only one part of the meshes: I of N, from 1/N to N/N. All parts together bake each mesh once. With auto,
+    /// Slurm's array variables give I and N; with auto/N, Kubernetes' JOB_COMPLETION_INDEX gives I.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Start no further mesh while those being baked may take this much memory together, such as 2GiB. A mesh that may take
-    /// more is baked alone.
+    /// Start no further mesh while those being baked may take this much memory together, such as 2GiB. A mesh that may
+    /// take more is baked alone.
     #[arg(long, value_name = "SIZE", default_value = "4GiB")]
     memory: ByteSize,
     /// Threads, at most 1024; 0 for one per core. No result depends on it.

@@ -23,8 +23,8 @@ pub struct Plan {
 
 /// A baked file to make, or something that cannot be baked.
 pub struct Entry {
-    /// The path of the baked file below the output folder, in lower case and with `/` between folders, so that it is the
-    /// same on every system. It orders the entries and decides on their shard.
+    /// The path of the baked file below the output folder, in lower case and with `/` between folders, so that it is
+    /// the same on every system. It orders the entries and decides on their shard.
     pub key: String,
     /// What it is made of. Several files, if they clash.
     pub sources: Vec<PathBuf>,
@@ -84,8 +84,8 @@ pub fn plan(meshes: &[PathBuf], output: &Path) -> Plan {
     plan
 }
 
-/// Finds the meshes of a folder and its sub-folders, in the order of their names. Hidden files and folders are left out.
-/// A link to a file is followed; a link to a folder is not, because it may lead back, or out of the library.
+/// Finds the meshes of a folder and its sub-folders, in the order of their names. Hidden files and folders are left
+/// out. A link to a file is followed; a link to a folder is not, because it may lead back, or out of the library.
 fn scan(folder: &Path, files: &mut Vec<MeshFile>, plan: &mut Plan) {
     let is_shown = |entry: &DirEntry| entry.depth() == 0 || !entry.file_name().to_string_lossy().starts_with('.');
     for entry in WalkDir::new(folder)
@@ -235,7 +235,8 @@ fn own_mesh(source: &Path, target: &Path) -> String {
     )
 }
 
-/// What is wrong with the recipes among these files. A faulty one does not tell its mesh, which then seems to be a mesh by itself.
+/// What is wrong with the recipes among these files. A faulty one does not tell its mesh, which then seems to be a mesh
+/// by itself.
 fn faults(sources: &[PathBuf]) -> Option<String> {
     let recipes = sources.iter().filter(|source| is_recipe(source));
     let faults: Vec<String> = recipes

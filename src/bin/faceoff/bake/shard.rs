@@ -8,9 +8,9 @@ use std::str::FromStr;
 
 /// One of several parts of a library.
 ///
-/// Which part a mesh belongs to follows from its path alone, through a hash. So shards that start at different times agree
-/// although meshes were added in between: none is baked twice or missed. Shares by position in the list would be more
-/// even, but each new file would move all files after it.
+/// Which part a mesh belongs to follows from its path alone, through a hash. So shards that start at different times
+/// agree although meshes were added in between: none is baked twice or missed. Shares by position in the list would be
+/// more even, but each new file would move all files after it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shard {
     /// From 1 to `count`.

@@ -20,8 +20,8 @@ use std::time::Instant;
 use table1::{Device, MODES};
 use world::{Shape, World};
 
-/// Run the experiments of Aly & Elawady 2010 and write a report: report.html, which needs no other file, with CSV, SVG and JSON
-/// files beside it.
+/// Run the experiments of Aly & Elawady 2010 and write a report: report.html, which needs no other file, with CSV, SVG
+/// and JSON files beside it.
 #[derive(clap::Args)]
 pub struct Options {
     /// The folder to write to; made if it is missing.

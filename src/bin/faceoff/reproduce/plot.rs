@@ -14,7 +14,8 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Colours that people with any colour vision can tell apart: Okabe & Ito 2008, "Color Universal Design", without yellow.
+/// Colours that people with any colour vision can tell apart: Okabe & Ito 2008, "Color Universal Design", without
+/// yellow.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
     RGBColor(230, 159, 0),

@@ -17,8 +17,8 @@ pub struct Shape {
     pub speed: f32,
 }
 
-/// An app that holds one box of bodies at a time. One app serves all boxes, because a device is opened and its kernels are
-/// compiled once for each app.
+/// An app that holds one box of bodies at a time. One app serves all boxes, because a device is opened and its kernels
+/// are compiled once for each app.
 pub struct World {
     pub app: App,
 }
