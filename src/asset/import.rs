@@ -82,7 +82,7 @@ pub fn import_bytes(name: &str, bytes: &[u8]) -> Result<TriMesh, ImportError> {
     import_part(name, bytes, None)
 }
 
-/// The same as [`import_bytes`], but reads only a part of a glTF or OBJ file if `part` is given.
+/// Reads a mesh as [`import_bytes`] does, or only a part of a glTF or OBJ file if `part` is given.
 ///
 /// Logs [warnings](Imported::warnings) with `tracing`.
 ///

@@ -451,7 +451,7 @@ mod tests {
             match owned(&features, 56) {
                 // The edges of the cube.
                 12 => true,
-                // Of one of them also its two halves.
+                // The edges of the cube, and the two halves of one of them.
                 14 => false,
                 other => panic!("{other}"),
             }

@@ -234,7 +234,8 @@ fn enters(start: DVec3, way: DVec3, radius: f64) -> Option<(f64, DVec3)> {
     Some((distance, normal))
 }
 
-/// The same for the cylinder about the segment from the origin to `axis`, with the fraction of the axis.
+/// The distance at which the line enters the cylinder about the segment from the origin to `axis`, the normal there,
+/// and the position along the axis as a fraction of it.
 fn enters_cylinder(start: DVec3, axis: DVec3, way: DVec3, radius: f64) -> Option<(f64, DVec3, f64)> {
     let squared = axis.length_squared();
     let across = |v: DVec3| v - axis * (v.dot(axis) / squared);

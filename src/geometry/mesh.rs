@@ -133,8 +133,8 @@ impl TriMesh {
         }
     }
 
-    /// The same mesh with another weld tolerance, relative to the diagonal of its bounding box. With 0 only vertices at
-    /// exactly the same position are welded.
+    /// A copy of the mesh with another weld tolerance, relative to the diagonal of its bounding box. With 0 only
+    /// vertices at exactly the same position are welded.
     ///
     /// Recomputes the connectivity. Vertices and triangles stay bit-identical.
     pub fn with_weld_tolerance(self, tolerance: f32) -> Self {
@@ -159,12 +159,12 @@ impl TriMesh {
         self.topology.tolerance
     }
 
-    /// The same mesh with the winding of all faces reversed.
+    /// A copy of the mesh with the winding of all faces reversed.
     pub fn flipped(self) -> Self {
         self.turned_where(|_| true)
     }
 
-    /// The same mesh with the winding of each shell made consistent, and with the faces of solids outward.
+    /// A copy of the mesh in which the winding of each shell is consistent and the faces of solids point outward.
     ///
     /// A *shell* is a set of faces that hang together across edges of two faces each. Edges are those of the welded mesh.
     ///
@@ -193,7 +193,7 @@ impl TriMesh {
         self.turned_where(|id| by_id[id as usize])
     }
 
-    /// The same mesh with the winding of the input.
+    /// A copy of the mesh with the winding of the input.
     pub fn as_input(self) -> Self {
         if self.turned.is_empty() {
             return self;
@@ -413,8 +413,8 @@ impl TriMesh {
         &self.topology.component_vertices
     }
 
-    /// The same mesh with its triangles in another order: triangle `i` of the result is triangle `order[i]` of `self`.
-    /// Face ids move with their triangles. Vertices and connectivity do not change.
+    /// A copy of the mesh with its triangles in another order: triangle `i` of the result is triangle `order[i]` of
+    /// `self`. Face ids move with their triangles. Vertices and connectivity do not change.
     ///
     /// # Panics
     /// If `order` is not a permutation of the triangles' indices.
@@ -437,7 +437,7 @@ impl TriMesh {
         }
     }
 
-    /// The same faces with each vertex moved. They keep their ids.
+    /// A copy of the mesh with each vertex moved. Faces keep their ids.
     ///
     /// # Errors
     /// If a vertex has an invalid coordinate, or no face has an area; see [`MeshError`].

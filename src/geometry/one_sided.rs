@@ -20,7 +20,7 @@ pub enum OneSided {
     All,
     /// None of them.
     None,
-    /// Those with `true`.
+    /// The triangles with `true`.
     Some(Vec<bool>),
 }
 

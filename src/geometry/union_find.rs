@@ -15,7 +15,7 @@ impl UnionFind {
         sets
     }
 
-    /// The same, with the memory of these.
+    /// Makes `count` sets of one number each, and reuses the memory.
     pub fn reset(&mut self, count: usize) {
         self.parents.clear();
         self.parents.extend(0..count as u32);

@@ -18,7 +18,7 @@ const FAR: f64 = 2.5;
 
 /// A mesh whose winding number can be asked for.
 pub struct Winding {
-    /// Of the triangles, after welding.
+    /// The corners of the triangles, after welding.
     corners: Vec<[DVec3; 3]>,
     /// Nodes over runs of eight, from the leaves up; the last level has one.
     levels: Vec<Vec<Node>>,

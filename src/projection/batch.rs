@@ -169,7 +169,7 @@ fn two_of<S: Simd>(
 pub(super) struct Seen {
     /// One bit for each triangle that is to be drawn.
     pub facing: u32,
-    /// Of those, the triangles whose box contains a pixel centre.
+    /// One bit for each of these triangles whose box contains a pixel centre.
     pub crossing: u32,
     /// The first and the last row that may have a covered pixel centre.
     rows: [Stored; 2],

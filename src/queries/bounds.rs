@@ -45,7 +45,7 @@ impl<S: Simd> Boxes<S> {
         }
     }
 
-    /// The same boxes after scaling.
+    /// A copy of the boxes after scaling.
     #[inline(always)]
     pub fn scaled(self, by: Points<S>) -> Self {
         Self {

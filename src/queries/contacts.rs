@@ -49,8 +49,7 @@ pub struct PairMemory {
 /// is negative or NaN counts as 0. Overlapping meshes have points whatever their depth and the margin. Meshes more than
 /// [`MAX_COORDINATE`] metres apart have none. The time grows with the area of the surfaces within the margin.
 ///
-/// The same meshes with the same poses give the same bits, also if both are translated together, however far: see
-/// [`Placed`].
+/// Equal meshes with equal poses give the same bits, also if both are translated together, however far: see [`Placed`].
 #[derive(Default)]
 pub struct ContactWorker {
     worker: Worker,

@@ -188,7 +188,7 @@ impl<'a> Placed<'a> {
         self.pose
     }
 
-    /// The same mesh in the pose that it had before.
+    /// Restores a placed mesh from its earlier pose.
     pub(super) fn again(mesh: &'a CollisionMesh, pose: PlacedPose) -> Self {
         Self { mesh, pose }
     }

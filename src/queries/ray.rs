@@ -158,7 +158,7 @@ struct Cast<'a> {
 struct Meeting {
     triangle: usize,
     distance: f64,
-    /// Of the triangle's corners.
+    /// Barycentric weights of the triangle's corners.
     weights: [f64; 3],
 }
 

@@ -16,7 +16,7 @@ pub struct Descent {
     list: Vec<u32>,
     /// The unique nodes of the second tree.
     nodes: Vec<Node>,
-    // The same for the level below.
+    // Entries, list and nodes of the level below.
     next_entries: Vec<Entry>,
     next_list: Vec<u32>,
     next_nodes: Vec<Node>,

@@ -30,7 +30,7 @@ pub(crate) struct PlacedSleepInputs {
 }
 
 impl SleepInputs {
-    /// Those of body `i`.
+    /// The properties of body `i`.
     pub fn of(input: &StepInput, i: usize) -> Self {
         let StepInput { bodies, meshes, .. } = input;
         let slot = &meshes[bodies.mesh[i]];
@@ -48,7 +48,7 @@ impl SleepInputs {
 }
 
 impl PlacedSleepInputs {
-    /// Those of body `i`.
+    /// The properties and the pose of body `i`.
     pub fn of(input: &StepInput, i: usize) -> Self {
         let bodies = &input.bodies;
         let inputs = SleepInputs::of(input, i);

@@ -208,8 +208,8 @@ impl ExternalForces {
         }
     }
 
-    /// The same, but weaker where a force would accelerate the body by more than `most` m/s² or rad/s², or an impulse change its
-    /// velocities by more than `most`. No speed can be as large, and products of larger numbers overflow.
+    /// A copy that is weaker where a force would accelerate the body by more than `most` m/s² or rad/s², or an impulse
+    /// change its velocities by more than `most`. No speed can be as large, and products of larger numbers overflow.
     pub(crate) fn bounded(&self, inverse_mass: f32, inverse_inertia: &Mat3, most: f32) -> Self {
         let Mat3 { x_axis, y_axis, z_axis } = inverse_inertia;
         let norm = Vec3::new(x_axis.length(), y_axis.length(), z_axis.length()).length();

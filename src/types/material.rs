@@ -35,7 +35,7 @@ impl Friction {
         }
     }
 
-    /// The same coefficient with another rule.
+    /// A copy with another combine rule.
     pub fn with_combine(self, combine: CombineRule) -> Self {
         Self { combine, ..self }
     }
@@ -69,7 +69,7 @@ impl Restitution {
         }
     }
 
-    /// The same coefficient with another rule.
+    /// A copy with another combine rule.
     pub fn with_combine(self, combine: CombineRule) -> Self {
         Self { combine, ..self }
     }

@@ -21,7 +21,8 @@ pub fn near_pair(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2], margin: f3
     })
 }
 
-/// The same for two placed meshes with all triangles visible, as bodies 0 and 1.
+/// The best support axis of two placed meshes with all triangles visible, as bodies 0 and 1; `None` if an axis
+/// separates the two by more than `margin`.
 pub fn best_axis([a, b]: [&PlacedMesh; 2], margin: f32) -> Option<NearPair> {
     let to_a: DMat3 = a.frame.rotation.transpose();
     let rotation = (to_a * b.frame.rotation).as_mat3();

@@ -142,7 +142,7 @@ fn sheet(mesh: &TriMesh, size: u32) -> Canvas {
     let (columns, rows) = (360 / STEP as u32, 180 / STEP as u32 + 1);
     let cell = [size + MARGIN, size + MARGIN + CHARACTER];
     let mut canvas = Canvas::new(MARGIN + columns * cell[0], MARGIN + rows * cell[1]);
-    // The same scale for all, so that images can be compared.
+    // All images have the same scale, so that they can be compared.
     let highest = 2.0
         * mesh
             .used_positions()

@@ -42,7 +42,7 @@ struct Report {
     one_sided_triangles: usize,
     volume: f32,
     mass_is_approximate: bool,
-    /// Of what the mass is.
+    /// What the mass was computed from.
     mass_basis: MassBasis,
     /// How far off the volume may be, relative to itself.
     mass_error: f32,

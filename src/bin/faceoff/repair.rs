@@ -95,7 +95,7 @@ struct StepsReport {
 #[derive(Serialize)]
 struct State {
     vertices: usize,
-    /// Those of zero area among them.
+    /// All faces, also those of zero area.
     faces: usize,
     closed: bool,
     orientation: Orientation,

@@ -77,7 +77,7 @@ impl MeshFeatures {
     pub(super) fn add_roundness(&mut self, creases: &[[u32; 2]]) {
         let count = self.vertices.len();
         let normals: Vec<DVec3> = (0..count as u32).map(|vertex| self.sphere_normal(vertex)).collect();
-        // Of the faces around each vertex, how many there are, and the least cosine between their normals and its own.
+        // For each vertex: the number of faces around it, and the least cosine between their normals and its own.
         let mut faces = vec![(0, 1.0f64); count];
         let triangles = self.triangles.iter().zip(&self.normals);
         for (corners, own) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {

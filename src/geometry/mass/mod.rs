@@ -19,7 +19,7 @@ pub struct MassProperties {
     /// The thickness of the thinnest part, in mesh units: the diameter of the ball inside that touches the surface and
     /// the opposite surface. Up to 2 % of the surface may be thinner, so that sharp edges do not count.
     pub thickness: f32,
-    /// Of what the mass is.
+    /// What the mass was computed from.
     pub basis: MassBasis,
     /// How far off the volume may be, relative to itself: what openings and the resolution of sampling leave uncertain. 0 for a
     /// closed mesh; 1 where the mass is not that of an enclosed volume.
@@ -28,20 +28,20 @@ pub struct MassProperties {
     pub approximate: bool,
 }
 
-/// Of what the mass of a mesh is; see [`MassProperties::of`].
+/// What the mass of a mesh is computed from; see [`MassProperties::of`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum MassBasis {
-    /// Of the volume that a closed mesh encloses.
+    /// The volume that a closed mesh encloses.
     Solid,
-    /// Of a solid that fills a room.
+    /// A solid that fills a room.
     Room,
-    /// Of the volume that an open mesh encloses with its openings closed.
+    /// The volume that an open mesh encloses with its openings closed.
     Capped,
-    /// Of the places where the winding number exceeds a half, because the mesh is wide open.
+    /// The places where the winding number exceeds a half, because the mesh is wide open.
     Winding,
-    /// Of a shell of even thickness along the faces, because an open mesh encloses nothing.
+    /// A shell of even thickness along the faces, because an open mesh encloses nothing.
     Shell,
-    /// Of the bounding box, because a closed mesh encloses nothing.
+    /// The bounding box, because a closed mesh encloses nothing.
     Box,
 }
 
@@ -55,7 +55,7 @@ const MIN_EDGE: f64 = 0.01;
 pub const SHELL_THICKNESS: f32 = 0.01;
 
 impl MassProperties {
-    /// Those of [`MassProperties::with_shell`] at [`SHELL_THICKNESS`].
+    /// Calls [`MassProperties::with_shell`] with [`SHELL_THICKNESS`].
     pub fn of(mesh: &TriMesh) -> Self {
         Self::with_shell(mesh, SHELL_THICKNESS)
     }

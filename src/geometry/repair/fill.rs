@@ -6,8 +6,8 @@
 use crate::geometry::mesh::is_degenerate;
 use glam::Vec3;
 
-/// Of triangulations with the same area, as those of a polygon in a plane, the one with shorter edges is better: this much of
-/// the squares of their lengths counts as area.
+/// If triangulations have the same area, as those of a polygon in a plane do, the one with shorter edges is better:
+/// this fraction of the squares of the edges' lengths counts as area.
 const EDGE_COST: f64 = 1.0e-6;
 
 /// Triangulates a hole with the given boundary, and returns triangles as numbers of its vertices. `None` if there is no

@@ -13,8 +13,8 @@ const OUTLINE: usize = 64;
 /// length of that line.
 const STRAIGHT: f64 = 1.0e-6;
 
-/// The same as [`fill`], for boundaries of any length, in nearly linear time. If there are more
-/// than [`LARGE`] edges, the area of the triangles is not the smallest: some lie over others where the boundary bends into the hole.
+/// Triangulates a boundary of any length as [`fill`] does, in nearly linear time. If there are more than [`LARGE`]
+/// edges, the area of the triangles is not the smallest: some lie over others where the boundary bends into the hole.
 pub(super) fn fill_any(
     boundary: &[Vec3],
     chord: &dyn Fn(usize, usize) -> bool,

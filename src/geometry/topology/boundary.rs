@@ -173,7 +173,7 @@ struct Split {
     t_junctions: Vec<u32>,
     /// The vertices of the triangles that split the edges there.
     slivers: Vec<[u32; 3]>,
-    /// The same triangles, wound so that they close the mesh.
+    /// The corners of these triangles, wound so that they close the mesh.
     caps: Vec<[Vec3; 3]>,
 }
 

@@ -63,7 +63,7 @@ pub struct Gaps {
     /// The smallest distance between two boundary vertices that no boundary edge joins, in mesh units; `None` if there
     /// is no such pair.
     pub nearest: Option<f64>,
-    /// The same distance relative to the diagonal of the mesh's bounding box: a larger weld tolerance joins the two.
+    /// This distance relative to the diagonal of the mesh's bounding box: a larger weld tolerance joins the two.
     pub relative: Option<f64>,
 }
 

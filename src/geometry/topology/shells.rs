@@ -198,7 +198,7 @@ impl Shells {
             return 0;
         }
         let count = faces.triangles.len();
-        // Those of the faces that have an area.
+        // Faces of a shell that have an area.
         let triangles_of = |shell: &Shell| -> Vec<usize> {
             let own = shell.faces.iter().map(|&face| face as usize);
             own.filter(|&face| face < count).collect()

@@ -25,7 +25,7 @@ pub(super) struct Tree {
     /// The numbers of the boxes in the order of the tree.
     order: Vec<u32>,
     levels: Vec<Vec<BoxGroup>>,
-    /// That when the order was found.
+    /// The spread when the order was found.
     spread: Spread,
 }
 

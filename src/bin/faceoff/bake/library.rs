@@ -115,9 +115,9 @@ struct Running {
 /// The entries that are not done.
 struct Queue<'a> {
     entries: &'a [Entry],
-    /// Those that have not been started.
+    /// Entries that have not been started.
     fresh: Range<usize>,
-    /// Those that were left to other processes.
+    /// Entries that were left to other processes.
     left: VecDeque<usize>,
 }
 

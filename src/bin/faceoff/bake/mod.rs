@@ -99,7 +99,7 @@ impl Options {
 /// Runs the command. It tries all meshes, and fails if any of them failed.
 pub fn run(options: &Options) -> Outcome {
     let start = Instant::now();
-    // Of what a recipe says nothing, this is all.
+    // The settings of a mesh without a recipe.
     let settings = options.settings(BakeSettings::default());
     settings.validate().map_err(|error| Wrong(error.to_string()))?;
     output::folder(&options.output)?;
