@@ -56,7 +56,7 @@ fn scene(state: &mut StepState) -> Vec<Body> {
         .collect()
 }
 
-/// The same steps each time; `bodies` is overwritten.
+/// Makes [`STEPS`] steps from the start of the scene; `bodies` is overwritten.
 fn steps(state: &mut StepState, scene: &[Body], bodies: &mut Vec<Body>, counts: &mut Vec<Counts>) {
     counts.clear();
     bodies.clear();

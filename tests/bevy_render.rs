@@ -112,7 +112,7 @@ fn shared(readback: Readback) -> App {
     app(Backend::Gpu, readback, default())
 }
 
-/// The same, with a handler that opens a new device for a lost one.
+/// An app as [`shared`] makes it, with a handler that opens a new device for a lost one.
 fn shared_and_recovering(readback: Readback) -> App {
     let mut app = shared(readback);
     app.insert_resource(RenderErrorHandler(recover_from_device_loss));

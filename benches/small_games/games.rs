@@ -214,7 +214,7 @@ fn formation(world: &mut World, shape: &TriMesh, speed: f32) {
     block(world, shape, 20.0, LinearVelocity(Vec3::new(0.6, 0.0, 0.8) * speed));
 }
 
-/// The same block of bodies, dropped above the ground.
+/// A block of 27 bodies, dropped above the ground.
 fn swarm(world: &mut World, shape: &TriMesh, height: f32) {
     world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
     block(world, shape, height, LinearVelocity::default());
@@ -289,7 +289,7 @@ fn pile(world: &mut World) {
     pile_of(world, SleepingDisabled);
 }
 
-/// The same, asleep after some seconds.
+/// A pile of 108 tori that falls asleep after some seconds.
 fn sleeping_pile(world: &mut World) {
     pile_of(world, ());
 }

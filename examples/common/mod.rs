@@ -135,7 +135,7 @@ pub fn app(title: &str, steps: u32) -> App {
     app_with(title, steps, StepPlugin::default())
 }
 
-/// The same with other settings of the step.
+/// An app as [`app`] makes it, with other settings of the step.
 pub fn app_with(title: &str, steps: u32, step: StepPlugin) -> App {
     let options = Options::parse();
     let step = options.apply_to(step);

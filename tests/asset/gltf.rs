@@ -37,7 +37,7 @@ fn indices_of_every_size_and_none() {
     assert_eq!(without.orientation(), Orientation::Outward);
 }
 
-/// The same `.glb` file with a document that is `extra` bytes longer than a multiple of four.
+/// A copy of the `.glb` file whose document is `extra` bytes longer than a multiple of four.
 fn not_padded(glb: &[u8], extra: usize) -> Vec<u8> {
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let (document, binary) = glb[20..].split_at(length);

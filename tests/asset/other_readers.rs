@@ -1,5 +1,5 @@
-//! The same files through our readers and through well-kept crates: the same triangles, in the same order. No crate that is
-//! maintained reads OFF.
+//! Our readers and well-kept crates read the same triangles from a file, in the same order. No maintained crate reads
+//! OFF.
 
 use crate::gltf_files::*;
 use bevy_faceoff::asset::{ImportError, MeshPart, import_bytes, import_part};

@@ -20,7 +20,7 @@ fn obj(text: &str, part: &MeshPart) -> Result<TriMesh, ImportError> {
 
 /// Four vertices, so that faces can be told apart by their corners.
 const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
-/// The same four places, in the order of the file.
+/// The places of these vertices, in the order of the file.
 const PLACES: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
 
 /// The faces as numbers of the four vertices, counted from 1.

@@ -20,7 +20,7 @@ fn prism(outline: &[[f32; 2]], first: usize) -> (Vec<Vec3>, Vec<Vec<usize>>) {
     (level(0.0).chain(level(1.0)).collect(), faces.collect())
 }
 
-/// The same polygons in each format of text.
+/// The polygons as a file of each text format.
 fn files((vertices, faces): &(Vec<Vec3>, Vec<Vec<usize>>)) -> [(&'static str, String); 3] {
     let (v, f) = (vertices.len(), faces.len());
     let mut obj = String::new();

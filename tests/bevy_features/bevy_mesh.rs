@@ -17,7 +17,7 @@ fn bevy_mesh(topology: PrimitiveTopology, positions: Vec<[f32; 3]>, indices: Opt
     mesh
 }
 
-/// The same mesh as Bevy would have it.
+/// A Bevy mesh of the same triangles.
 fn drawn(mesh: &TriMesh) -> Mesh {
     let positions = mesh.vertices().iter().map(|v| v.to_array()).collect();
     let indices = Indices::U32(mesh.triangles().as_flattened().to_vec());

@@ -70,7 +70,7 @@ fn change_one_static(state: &mut StepState, random: &mut Rng, compare: impl Fn(&
             0 => {}
             1 => bodies.radius[one] *= 1.5,
             2 => bodies.center[one].z += bodies.radius[one],
-            // The same number of static bodies, but different ones.
+            // As many static bodies as before, but different ones.
             3 => bodies.kind.swap(one, other),
             4 => bodies.layers[one] = CollisionLayers::default(),
             _ => {

@@ -105,7 +105,7 @@ impl Random {
         self.0.usize(..count)
     }
 
-    /// Of length one.
+    /// A random direction, of length one.
     pub fn direction(&mut self) -> DVec3 {
         loop {
             let v = DVec3::from_array([0; 3].map(|_| self.range(-1.0, 1.0)));

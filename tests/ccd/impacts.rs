@@ -15,7 +15,7 @@ fn impacts(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: 
     impacts_that_pass(|_| false, flights, continuous, pairs, scratch)
 }
 
-/// The same, where bodies pass through some planes.
+/// Impacts of bodies, where some pass through some planes.
 fn impacts_that_pass(
     pass: impl Fn([u32; 2]) -> bool,
     flights: &Flights,

@@ -23,7 +23,7 @@ pub fn cuboid(size: Vec3) -> TriMesh {
     TriMesh::new(vertices, cube.triangles().to_vec()).expect("a good mesh")
 }
 
-/// The same mesh, rotated and moved in its own axes, so that its origin is not its centre of mass.
+/// A copy of the mesh, rotated and moved in its own axes, so that its origin is not its centre of mass.
 pub fn moved(mesh: &TriMesh, rotation: Quat, by: Vec3) -> TriMesh {
     let vertices = mesh.vertices().iter().map(|v| rotation * *v + by).collect();
     TriMesh::new(vertices, mesh.triangles().to_vec()).expect("a good mesh")

@@ -1,4 +1,4 @@
-//! The same scene gives the same bits, run after run and with any number of threads.
+//! A scene gives the same bits, run after run and with any number of threads.
 
 use crate::world::{World, any_turn};
 use bevy_faceoff::geometry::shapes;

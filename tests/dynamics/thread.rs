@@ -17,7 +17,7 @@ const SETTLING: u32 = 16;
 /// A nut on the thread of a bolt that stands upright, where the two do not touch. The nut is body 1.
 struct Thread {
     world: World,
-    /// Of the bolt, upward.
+    /// The bolt's axis, upward.
     axis: Vec3,
     /// Metres per revolution.
     pitch: f64,

@@ -59,7 +59,7 @@ fn one_shell_of_any_winding_is_a_solid_or_a_room() {
                 assert!(baked.mesh.turned().is_empty());
                 continue;
             }
-            // The same mesh, but for what was turned.
+            // The mesh is as before, but for what was turned.
             assert_eq!(baked.mesh.orientation(), Orientation::Outward, "{wound:?}");
             assert_eq!(baked.mesh.triangles().len(), clean.mesh.triangles().len());
             assert_eq!(baked.mesh.face_ids(), clean.mesh.face_ids());

@@ -10,7 +10,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// Of the pair's size: a disagreement or an end of a segment nearer than this is rounding.
+/// A disagreement or an error of a segment's end below this part of the pair's size is rounding.
 const ROUNDING: f64 = 1e-9;
 
 fn size(a: &Triangle, b: &Triangle) -> f64 {
@@ -91,7 +91,7 @@ fn lattice_pair(n: i32) -> impl Strategy<Value = [Triangle; 2]> {
         .prop_filter("has an area", |[_, b]| !degenerate(b))
 }
 
-/// The same cases every time, so that a failure comes back.
+/// Fixed cases, so that a failure comes back.
 fn config() -> ProptestConfig {
     ProptestConfig {
         cases: 20_000,

@@ -134,7 +134,7 @@ fn an_open_mesh_tells_how_far_apart_it_is() {
     let lidless = TriMesh::new(cube.vertices().to_vec(), cube.triangles()[..10].to_vec()).unwrap();
     let gaps = lidless.gaps().unwrap();
     assert_eq!(gaps.edges, 4);
-    // Of a square rim only the far corners are not joined by an edge.
+    // Only the far corners of a square rim are not joined by an edge.
     assert!((gaps.nearest.unwrap() - 2f64.sqrt()).abs() < 1e-6, "{gaps:?}");
     assert!(
         (gaps.relative.unwrap() - (2.0f64 / 3.0).sqrt()).abs() < 1e-6,

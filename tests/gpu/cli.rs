@@ -52,7 +52,7 @@ fn simulate(_: &Gpu) {
     }
 }
 
-/// The same steps, whenever their results are read; what was asked of the device is told.
+/// Steps have the same results, whenever these are read. The record tells what was asked of the device.
 fn readbacks(_: &Gpu) {
     let folder = tempfile::tempdir().unwrap();
     let on = |readback| {

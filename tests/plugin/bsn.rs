@@ -61,7 +61,7 @@ fn hammer() -> impl Scene {
     }
 }
 
-/// The same as components.
+/// The hammer as components.
 fn hammer_in_rust([cube, torus]: &[MeshCollider; 2]) -> impl Bundle + use<> {
     (
         RigidBody::Dynamic,

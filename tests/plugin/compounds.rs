@@ -148,7 +148,7 @@ pub fn a_scene_under_a_moved_turned_and_scaled_parent_is_one_body() {
     let floor = floor(&mut sim);
     let [root, ..] = hammer(&mut sim, Transform::from_xyz(0.5, 1.0, 0.0));
     sim.set(root, ChildOf(level));
-    // The same as one mesh in the world.
+    // The hammer as one mesh, without a parent.
     let mesh = sim.mesh(&merged());
     let placed = above * Transform::from_xyz(0.5, 1.0, 0.0);
     let one = sim.spawn((

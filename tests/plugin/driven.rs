@@ -197,7 +197,7 @@ pub fn a_body_of_several_colliders_is_moved_by_its_transform_too() {
     assert!((sim.position(rider).y - 0.5).abs() < 0.004);
 }
 
-/// Of a dynamic body a written `Transform` is a teleport: it keeps its velocity, and the collision ends at once.
+/// A `Transform` written to a dynamic body is a teleport: the body keeps its velocity, and its collision ends at once.
 pub fn a_dynamic_body_that_is_put_elsewhere_ends_its_collisions_at_once() {
     let mut sim = Sim::new();
     sim.world().insert_resource(Response::Contacts);

@@ -396,7 +396,7 @@ pub fn a_shape_caster_keeps_what_it_runs_into() {
     let wide = sim.spawn((ring.clone(), wide));
     let narrow = sim.spawn((ring, narrow));
     let wall = sim.spawn((RigidBody::Static, cube.clone(), Transform::from_xyz(9.0, 0.0, 0.0)));
-    // Of the same body.
+    // Another collider of the wall's body.
     let behind = sim.spawn((cube.clone(), Transform::from_xyz(1.5, 0.0, 0.0), ChildOf(wall)));
     let plane = sim.spawn(PlaneCollider::through(Vec3::X * 12.0, Vec3::NEG_X));
     sim.step(1);

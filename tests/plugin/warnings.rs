@@ -49,7 +49,7 @@ fn same_keys() {
     sim.set(second, StableKey(8));
     sim.step(3);
     assert_eq!(told(), [""; 0]);
-    // Of a plane too.
+    // A plane with a taken key is reported too.
     let plane = (
         StableKey(7),
         Name::new("ground"),
@@ -133,7 +133,7 @@ fn components() {
     ];
     for (name, set, bad) in breaks {
         for _ in 0..2 {
-            // The same with another number is no news.
+            // Another bad number is no news.
             for bad in [bad, 2.0 * bad] {
                 set(&mut sim.world().entity_mut(body), bad);
                 sim.step(5);

@@ -174,7 +174,7 @@ fn few_bytes_describe_little_memory() {
     let bytes = by_hand(u32::MAX, 1, 64_442, 4 * 64_442, &runs);
     assert!(FaceTable::decode(&bytes, u32::MAX, &settings(1)).is_ok());
 
-    // The same with a group of 64 KiB stands for 4 GiB.
+    // Such runs with a group of 64 KiB stand for 4 GiB.
     let triangles: u32 = 1 << 19;
     let all = [numbers(&[BITS]), vec![0xff; 1 << 16]].concat();
     let runs: Vec<Vec<u8>> = std::iter::once(all.clone())

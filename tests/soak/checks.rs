@@ -17,7 +17,7 @@ const SLOW_STEPS: usize = 4;
 pub struct Checks {
     /// Pairs that have started and not ended, with the last step when one of them vanished.
     open: HashMap<[Entity; 2], Option<u64>>,
-    /// The same when a snapshot was taken: a world that is restored touches as it did then, without messages.
+    /// Open pairs when a snapshot was taken: a world that is restored touches as it did then, without messages.
     open_at_snapshot: HashMap<[Entity; 2], Option<u64>>,
     starts: u64,
     rejected: u64,

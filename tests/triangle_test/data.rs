@@ -64,7 +64,7 @@ fn built_in(name: &str, mesh: &TriMesh) -> Arc<Mesh> {
     Mesh::new(name, mesh.vertices().to_vec(), mesh.triangles().to_vec())
 }
 
-/// The same without the faces on one side of a plane, so that it is open.
+/// A mesh without its faces on one side of a plane, so that it is open.
 fn opened(name: &str, mesh: &TriMesh) -> Arc<Mesh> {
     let below = |face: &&[u32; 3]| face.iter().any(|&v| mesh.vertices()[v as usize].y < 0.1);
     let faces: Vec<_> = mesh.triangles().iter().filter(below).copied().collect();

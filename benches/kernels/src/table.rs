@@ -21,7 +21,7 @@ pub struct Compiled {
     latency: f64,
     /// Estimated cycles of a wave among as many as fit.
     throughput: f64,
-    /// Of the compilation.
+    /// Time of the compilation.
     milliseconds: f64,
 }
 

@@ -53,8 +53,8 @@ impl Parry {
         }
     }
 
-    /// The same pairs, each with the body of the larger box first. The order matters, because parry visits all
-    /// triangles of the first mesh near the second. It sorts pairs in this way itself, but only for contact manifolds.
+    /// Puts the body of the larger box first in each pair. The order matters, because parry visits all triangles of the
+    /// first mesh near the second. It sorts pairs in this way itself, but only for contact manifolds.
     pub fn larger_first(&self, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let size = |i: u32| self.boxes[i as usize].half_extents().length_squared();
         let sorted = |&[a, b]: &[u32; 2]| if size(a) < size(b) { [b, a] } else { [a, b] };

@@ -71,7 +71,7 @@ impl Engine for Rapier {
     }
 }
 
-/// The same vector in rapier's type.
+/// Converts a vector to rapier's type.
 pub fn vector(v: Vec3) -> Vector {
     Vector::from(v.to_array())
 }

@@ -65,7 +65,7 @@ pub struct Scene {
 pub struct Body {
     /// Uniform scale.
     pub pose: Transform,
-    /// Of the centre of mass.
+    /// Velocity of the centre of mass.
     pub velocity: Vec3,
 }
 

@@ -146,7 +146,7 @@ mod tests {
         let mut new = [manifold(now.position + turned, turned, 2, 0.0)];
         warm_start(&mut new, carried(&old, &last, &now), 0.01);
         assert_eq!(new[0].points[0].warm_start_normal_impulse, 3.0);
-        // Of a pair that has not moved, the point is another one.
+        // If the pair has not moved, this is another point.
         let mut new = [manifold(now.position + turned, turned, 2, 0.0)];
         warm_start(&mut new, carried(&old, &last, &last), 0.01);
         assert_eq!(new[0].points[0].warm_start_normal_impulse, 0.0);

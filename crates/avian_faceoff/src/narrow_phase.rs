@@ -117,7 +117,7 @@ struct Pair<'a> {
     meshes: [Placed<'a>; 2],
     /// Where the first one is.
     first: Pose,
-    /// Of the smaller bounding sphere, metres.
+    /// Diameter of the smaller bounding sphere, metres.
     diameter: f32,
     /// How far apart surfaces come to rest, metres.
     rest_offset: f32,

@@ -34,10 +34,10 @@ const REACH: Real = 0.1;
 /// | `distance`, `closest_points` | exact if they touch, else that of the [surfaces](ExactMesh::surface) |
 /// | shape casts | those of the surfaces |
 ///
-/// Of two exact meshes that touch, `intersection_test` and `distance` name no triangles: the numbers of the subshapes are 0.
-/// Those of manifolds and of `contact` are those of the triangles.
+/// For two exact meshes that touch, `intersection_test` and `distance` name no triangles: the numbers of the subshapes
+/// are 0. Contact manifolds and `contact` give the numbers of the triangles.
 ///
-/// The same poses give the same bits, on any number of threads.
+/// Equal poses give the same bits, on any number of threads.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ExactDispatcher;
 
@@ -105,7 +105,8 @@ where
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
         let Some(meshes) = exact([g1, g2]) else {
-            // Of its own meshes parry finds no contacts with these, but of other composite shapes it does.
+            // With these grids parry finds no contacts of its own triangle meshes, but it finds those of other
+            // composite shapes.
             let is_grid = |shape: &dyn Shape| matches!(shape.shape_type(), ShapeType::HeightField | ShapeType::Voxels);
             let [g1, g2] = if is_grid(g1) || is_grid(g2) {
                 [g1, g2]

@@ -56,7 +56,8 @@ impl ExactMesh {
         Self::with_scale(mesh, Vec3::ONE, None)
     }
 
-    /// The same mesh with its scale multiplied by this one, along its own axes. The scale may mirror. It bakes nothing.
+    /// A copy of the mesh with its scale multiplied by this one, along its own axes. The scale may mirror. Nothing is
+    /// baked.
     ///
     /// # Errors
     /// If the scale is not finite, or makes the mesh flat or larger than
@@ -69,8 +70,9 @@ impl ExactMesh {
         )
     }
 
-    /// The same mesh with other flags for parry's mesh. They change contacts with other shapes, and whether rays and points
-    /// take it for solid; see [`ExactMesh::surface`]. Flags that delete triangles make the triangles' indices wrong.
+    /// A copy of the mesh with other flags for parry's mesh. They change contacts with other shapes, and whether rays
+    /// and points take it for solid; see [`ExactMesh::surface`]. Flags that delete triangles make the triangles'
+    /// indices wrong.
     ///
     /// # Errors
     /// If parry cannot compute what the flags ask for.

@@ -149,7 +149,7 @@ fn swapped_shapes_have_the_same_points() {
             deepest(&one),
             deepest(&other)
         );
-        // Of equally good points the reduction may choose others. Most are the same.
+        // Among equally good points the reduction may choose others. Most are the same.
         let points = |found: &Manifolds| -> Vec<(Vector, Vector)> {
             found
                 .iter()
@@ -475,7 +475,7 @@ fn what_is_invalid_is_refused_or_finds_nothing() {
     let knot = exact(Kind::Knot);
     for translation in [Vec3::splat(f32::NAN), Vec3::X * 1e30, Vec3::X * f32::INFINITY] {
         let pos12 = pose(translation, Quat::IDENTITY);
-        // Those of the last step do not stay.
+        // Manifolds of the last step do not stay.
         let mut found = manifolds(&pose(Vec3::X * 0.4, Quat::IDENTITY), &knot, &knot);
         assert!(!found.is_empty());
         let answer = ExactDispatcher.contact_manifolds(&pos12, &knot, &knot, MARGIN, &mut found, &mut None);

@@ -57,7 +57,7 @@ fn a_scene_under_a_moved_turned_and_scaled_parent_is_one_body() {
     let parts = ["BoxMesh", "RingMesh"].map(|name| entity(&mut sim, name));
     assert_eq!(told.colliders, parts);
 
-    // The same as one mesh in the world.
+    // The cart as one mesh, without a parent.
     let mesh = sim.mesh(&merged());
     let far = 20.0 * Vec3::X;
     let one = sim.spawn((

@@ -108,7 +108,7 @@ fn what_lies_on_a_node_falls_when_the_node_changes() {
                 > 12
         });
     });
-    // The same mesh, changed: a hot reload.
+    // The mesh asset changes, not the handle: a hot reload.
     the_load_falls(|sim, [_, top, ..]| {
         let Mesh3d(mesh) = sim.get(top);
         let ball = drawn(&shapes::ball(0.1, 2));
@@ -153,7 +153,7 @@ fn what_comes_later_gets_colliders_too() {
     assert!(!has::<MeshCollider>(&sim, below));
     sim.set(node, ChildOf(root));
     assert_eq!(ready_again(&mut sim, root, 3).colliders, [below]);
-    // Those with a collider keep it, and what is below another hierarchy is left to that one.
+    // Entities with a collider keep it. Entities below another hierarchy are left to that one.
     let own = sim.spawn((Mesh3d(ball.clone()), other.clone(), Transform::default(), ChildOf(root)));
     let inner = sim.spawn((
         MeshColliderHierarchy::only_named().with_collider_for_name("yes", default()),

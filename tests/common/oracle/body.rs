@@ -129,7 +129,7 @@ impl Body {
         }
     }
 
-    /// The same body translated by `by`; rounded to `f32` like any position.
+    /// A copy of the body translated by `by`; rounded to `f32` like any position.
     pub fn moved(&self, by: DVec3) -> Self {
         Self {
             translation: (self.translation.as_dvec3() + by).as_vec3(),

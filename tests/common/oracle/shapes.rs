@@ -12,7 +12,7 @@ pub struct Shapes {
     pub torus: Arc<Mesh>,
     /// A trefoil of 1120 triangles.
     pub knot: Arc<Mesh>,
-    /// The same curve with a thin tube, which leaves room for links.
+    /// A trefoil with a thin tube, which leaves room for links.
     pub thin_knot: Arc<Mesh>,
     /// A thin torus that links easily.
     pub ring: Arc<Mesh>,
@@ -20,7 +20,7 @@ pub struct Shapes {
     pub tetrahedron: Arc<Mesh>,
     /// 128 triangles, convex.
     pub ball: Arc<Mesh>,
-    /// The same mesh inside out.
+    /// The ball inside out.
     pub inward_ball: Arc<Mesh>,
     /// A shell: the ball, and inside it an inward-facing ball of 0.6 of its size.
     pub hollow_ball: Arc<Mesh>,

@@ -64,8 +64,8 @@ pub fn edge_meets([p, q]: [DVec3; 2], [p_side, q_side]: [f64; 2], t: &Triangle) 
     turns.iter().all(|&s| s >= 0.0) || turns.iter().all(|&s| s <= 0.0)
 }
 
-/// The same for a segment in the plane of `t`, projected on the coordinate plane in which the triangle is largest:
-/// there the projection is one to one.
+/// Whether a segment in the plane of `t` meets `t`. Both are projected on the coordinate plane in which the triangle is
+/// largest: there the projection is one to one.
 fn edge_meets_in_plane(p: DVec3, q: DVec3, t: &Triangle) -> bool {
     let area = |axis: usize| orient_2d(t.map(|c| drop_axis(c, axis))).abs();
     let axis = (0..3).max_by(|&i, &j| area(i).total_cmp(&area(j))).unwrap();

@@ -297,7 +297,7 @@ fn hooks_appear(_: &Gpu) {
     }
 }
 
-/// Of two vehicles, each of two colliders, one takes over a collider of the other, which comes first in its own then.
+/// Two vehicles of three colliders each: one takes over a collider of the other.
 fn turret(_: &Gpu) {
     for (readback, giver) in READBACKS
         .into_iter()

@@ -31,7 +31,7 @@ pub fn app(backend: Backend, readback: Readback) -> Sim {
     sim
 }
 
-/// The same before the device is ready.
+/// An app whose device may not be ready yet.
 pub fn opening(backend: Backend, readback: Readback) -> Sim {
     let mut sim = Sim::with_step(StepPlugin {
         backend,
@@ -55,7 +55,7 @@ pub fn active(sim: &Sim) -> &'static str {
     sim.app.world().resource::<ActiveBackend>().name()
 }
 
-/// The same app twice: on a GPU that is waited for, and on one that is not.
+/// Two equal apps: on a GPU that is waited for, and on one that is not.
 pub fn both() -> [Sim; 2] {
     [Readback::Lockstep, Readback::Latent].map(|readback| app(Backend::Gpu, readback))
 }
@@ -349,7 +349,7 @@ fn resident(_: &Gpu) {
         assert_eq!((motion.linear_velocity, motion.angular_velocity), (pose.2.0, pose.3.0));
     }
 
-    // The same on the device, and one step of motion between the two buffers.
+    // Buffers on the device hold these poses, and one step of motion lies between the two buffers.
     let world = sim.app.world();
     let gpu = bevy_faceoff::plugin::gpu(world).unwrap();
     let (buffers, entities) = bevy_faceoff::plugin::poses(world).unwrap();

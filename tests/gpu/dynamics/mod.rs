@@ -124,7 +124,7 @@ pub const TESTS: &[Test] = &tests! {
     a_swarm_that_lands_is_not_looked_at_from_afar: small_games::swarm(2, 26.0);
 };
 
-/// Those that make steps of their own.
+/// Tests that make steps of their own.
 pub const STEP_TESTS: &[Test] = &[
     ("lists_that_grow_in_a_flight_change_nothing", fast_bodies::overflow),
     ("a_bullet_that_meets_nothing_reads_little", fast_bodies::read_little),

@@ -1,4 +1,4 @@
-//! The same scene on both sides.
+//! Scenes on the CPU and on the device.
 
 use super::motion::Motion;
 use crate::world::{World, any_turn};

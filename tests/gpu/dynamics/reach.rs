@@ -277,7 +277,7 @@ fn assert_same(worlds: &[World; 2], step: usize) {
     assert!(few == many, "step {step}");
 }
 
-/// The same world twice; one has commands for three collision substeps more than the last steps suggest.
+/// Two equal worlds; one has commands for three collision substeps more than the last steps suggest.
 fn without_and_with_spare_substeps(world: impl Fn() -> World) -> [World; 2] {
     let mut worlds = [world(), world()];
     let device = worlds[1].device.take().expect("it runs on the device");

@@ -79,7 +79,7 @@ pub fn heaps(gpu: &Gpu) {
     let pairs: Vec<_> = all.map(|bodies| MarginPair { bodies, margin: 0.01 }).collect();
     let result = agreement("heap", gpu, &state, &pairs);
     assert!(result.pairs > 150);
-    // Of extremes of a contour that are as far as each other another may be taken.
+    // Where extremes of a contour are equally far, the GPU may take another.
     assert!(result.missed == 0 && result.shifted * 50 <= result.pairs, "{result:?}");
     assert!(result.unmatched_share() < 0.02, "{result:?}");
 }

@@ -1,4 +1,4 @@
-//! The same input gives the same bits, whatever else is true.
+//! Equal inputs give the same bits, whatever else is true.
 
 use crate::oracle::rng::Rng;
 use bevy_faceoff::asset::CollisionMesh;

@@ -139,7 +139,7 @@ pub fn bodies_and_meshes_come_and_go(gpu: &Gpu) {
                 .all(|pair| pair.bodies.iter().all(|&i| known(i)))
         );
         if number % COMPARED == 0 {
-            // The same meshes in the same slots.
+            // The CPU takes over the meshes, in the same slots.
             let mut cpu = StepState::default();
             cpu.input.meshes = std::mem::take(&mut churn.state.input.meshes);
             scene.fill(&mut cpu);

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Clone, Debug, Default)]
 pub struct Differences {
     pub contacts: usize,
-    /// Of points, parts of the sum of the radii; of normals.
+    /// Distance of points, as a part of the sum of the radii.
     pub point: f32,
     pub normal: f32,
     /// Contacts beyond the tolerance.
@@ -18,7 +18,8 @@ pub struct Differences {
     pub planes_excused: usize,
     pub depth: f32,
     pub bodies: usize,
-    /// Of velocities, parts of the scene's largest; of positions, parts of the radius; of rotations.
+    /// Velocity, as a part of the scene's largest; spin, by the speed it gives the surface; position, as a part of the
+    /// radius.
     pub velocity: f32,
     pub spin: f32,
     pub position: f32,
@@ -140,7 +141,7 @@ fn planes(scene: &Scene, cpu: &StepState, gpu: &StepState, d: &mut Differences, 
             continue;
         }
         d.depth = d.depth.max((depth - other_depth).abs() / radius);
-        // Of shallow contacts the weights are rounding.
+        // Weights of shallow contacts are rounding.
         if depth > 100.0 * band && point.distance(other_point) > 0.05 * radius {
             d.failures
                 .push(format!("half-space {key:?}: points {point} and {other_point}"));

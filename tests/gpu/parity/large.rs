@@ -35,7 +35,7 @@ fn lists(state: &StepState) -> GpuLists {
     state.results.gpu.expect("the step ran on the device").lists
 }
 
-/// The same faces, but for this share that touches within what single precision resolves; the same contact.
+/// Requires the same faces, but for a `share` that touches within what single precision resolves, and the same contact.
 fn require_same(cpu: &StepState, gpu: &StepState, share: f64) {
     let [of_cpu, of_gpu] = [cpu, gpu].map(|state| {
         let faces = state.results.contacts.faces.iter();

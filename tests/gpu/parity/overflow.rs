@@ -86,7 +86,7 @@ pub fn room_to_read_follows_use(gpu: &Gpu) {
         assert_eq!(capacity.pairs, AMPLE.pairs, "there was room in the buffer");
         let mut new = GpuStep::with_capacity(gpu.clone(), AMPLE).unwrap();
         Bits::of(&found).require(&Bits::of(&crowd.on_gpu(&mut new)), &format!("{response:?}"));
-        // The same again fits.
+        // The crowd fits when it comes again.
         step.forget();
         let again = crowd.on_gpu(&mut step).results.gpu.unwrap();
         assert_eq!(again.submissions, 1);
@@ -161,7 +161,7 @@ pub fn a_crowd_is_refused_and_leaves_no_trace(gpu: &Gpu) {
     assert!(tally.touching > 20);
 }
 
-/// The same adapter's device, opened again, with buffers of so many bytes at most.
+/// The device of this adapter, opened again, with buffer bindings of so many bytes at most.
 pub fn with_binding_size(gpu: &Gpu, bytes: u64) -> Gpu {
     let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     let flags = descriptor.flags;
@@ -210,7 +210,7 @@ pub fn too_much_is_an_error_that_leaves_no_trace(gpu: &Gpu) {
     let tally = agree(&scene, &mut step, "after an error");
     tally.require_no_failures();
     assert!(tally.touching > 20);
-    // The same state and meshes, not only equal ones.
+    // This very state with its meshes, not only an equal one.
     state.input.planes.clear();
     step.run(&mut state).unwrap();
     assert!(state.results.contacts.pairs.len() > 20);

@@ -1,4 +1,4 @@
-//! The same input gives the same bits: run after run, and whatever the capacity of the lists.
+//! Equal inputs give the same bits: run after run, and whatever the capacity of the lists.
 
 use super::scene::Scene;
 use super::scenes::{ANY, Kit, crowd, half_spaces};

@@ -1,4 +1,4 @@
-//! The same input gives the same bits, whatever the capacity of the lists.
+//! Equal inputs give the same bits, whatever the capacity of the lists.
 
 use super::many::cloud;
 use super::shapes::Shape;
@@ -25,7 +25,7 @@ pub fn heap() -> World {
 }
 
 fn bits(twin: &Twin) -> String {
-    // Of floats the shortest text that gives them back.
+    // Debug formatting gives the shortest text that gives a float back.
     format!("{:?}", twin.world.bodies.motions)
 }
 

@@ -71,7 +71,7 @@ impl Twin {
     }
 }
 
-/// The same world twice, after `seconds` on the CPU and on the device.
+/// Two equal worlds after `seconds`, on the CPU and on the device.
 pub fn both(gpu: &Gpu, make: impl Fn() -> World, seconds: f32) -> (World, Twin) {
     let mut cpu = make();
     let mut twin = Twin::new(gpu, make());
@@ -102,12 +102,12 @@ impl Apart {
         }
     }
 
-    /// The largest of each over all bodies.
+    /// The largest differences over all bodies of two worlds.
     pub fn of(a: &World, b: &World) -> Self {
         Self::between(&a.bodies, &b.bodies)
     }
 
-    /// The same.
+    /// The largest differences over all bodies.
     pub fn between(a: &SolverBodies, b: &SolverBodies) -> Self {
         let pairs = a.motions.iter().zip(&b.motions);
         pairs.map(|(a, b)| Self::new(a, b)).fold(Self::default(), |x, y| Self {
@@ -133,7 +133,7 @@ impl Apart {
     }
 }
 
-/// The same limit for all.
+/// One limit for all quantities.
 pub fn all(limit: f64) -> Apart {
     Apart {
         center: limit,

@@ -8,7 +8,7 @@ use bevy_faceoff::testing::scenes::{Body, Scene, Shape, any_turn};
 use std::f32::consts::FRAC_PI_2;
 
 const GRAVITY: f64 = 9.81;
-/// That of all bodies.
+/// Friction coefficient of all bodies.
 const FRICTION: f64 = 0.5;
 
 /// Cubes that stick and slide, and balls that roll, `turns` at each angle.

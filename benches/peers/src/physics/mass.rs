@@ -8,14 +8,14 @@ use bevy_faceoff::testing::scenes::{Body, Scene};
 pub struct Mass {
     /// Kilograms.
     pub mass: f64,
-    /// Of mass, from the shape's origin, in the body's own axes.
+    /// Centre of mass from the shape's origin, in the body's own axes.
     pub center: DVec3,
     /// About the centre, in the body's own axes, kg m^2.
     pub inertia: DMat3,
 }
 
 impl Mass {
-    /// That of a body.
+    /// Mass, centre and inertia of a body.
     pub fn of(body: &Body) -> Self {
         let (baked, scale) = (&body.shape.mesh().mass, body.scale.as_dvec3());
         let mass = f64::from(body.density) * f64::from(baked.volume) * scale.element_product();
@@ -27,7 +27,7 @@ impl Mass {
     }
 }
 
-/// Those of all bodies of a scene.
+/// Masses of all bodies of a scene.
 pub fn masses(scene: &Scene) -> Vec<Mass> {
     scene.bodies.iter().map(Mass::of).collect()
 }

@@ -79,7 +79,7 @@ struct Case {
 struct Outcome {
     engine: Engine,
     verdict: String,
-    /// Of all steps, mean; NaN if there was none.
+    /// Mean over all steps; NaN if there was none.
     milliseconds: f64,
 }
 
@@ -145,7 +145,7 @@ impl Case {
         let seconds: Vec<f64> = runs.iter().flat_map(|run| run.seconds.iter().copied()).collect();
         let failures: Vec<String> = runs.iter().filter_map(|run| run.failure.clone()).collect();
         let count = runs.len();
-        // Of scenes that are all alike, those that came to their end tell more.
+        // If some runs are complete, they alone are judged: they tell more, and the scenes are alike.
         if failures.len() < count {
             runs.retain(|run| run.failure.is_none());
         }

@@ -23,7 +23,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Of a scene's bodies, given their masses.
+    /// Sums over a scene's bodies, given their masses.
     pub fn of(scene: &Scene, masses: &[Mass], states: &[State]) -> Self {
         let mut sum = Self::default();
         for ((_, mass), state) in scene

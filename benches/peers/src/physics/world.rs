@@ -26,7 +26,7 @@ pub enum Engine {
     Parts,
     /// rapier3d, with the contacts of parry_faceoff.
     RapierFaceoff,
-    /// The same, with contacts found in every step: rapier's recycling is off.
+    /// rapier3d, with the contacts of parry_faceoff, found in every step: rapier's recycling is off.
     RapierFaceoffFresh,
     /// avian3d, with meshes whose internal edges are fixed.
     Avian,
@@ -49,11 +49,11 @@ impl Engine {
 /// Where a body is and how it moves.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
-    /// Of mass, in the world.
+    /// Centre of mass, in the world.
     pub center: DVec3,
     /// A unit quaternion.
     pub rotation: DQuat,
-    /// Of the centre of mass, m/s.
+    /// Velocity of the centre of mass, m/s.
     pub velocity: DVec3,
     /// World axes, rad/s.
     pub spin: DVec3,
