@@ -110,7 +110,7 @@ impl CombineRule {
             Self::Multiply => a * b,
             Self::Max => a.max(b),
         };
-        // An infinite one is no bound where nothing presses: infinity times 0 is no number.
+        // An infinite coefficient would give NaN where nothing presses: infinity times 0.
         combined.min(f32::MAX)
     }
 }

@@ -51,7 +51,8 @@ const MIN_VOLUME: f64 = 1e-9;
 /// The minimum edge of the box that replaces a mesh without volume, relative to its longest edge.
 const MIN_EDGE: f64 = 0.01;
 
-/// The default thickness of the shell that an open mesh without an inside weighs, relative to the diagonal of its bounding box.
+/// The default thickness of the shell that gives an open mesh without an inside its mass, relative to the diagonal of
+/// its bounding box.
 pub const SHELL_THICKNESS: f32 = 0.01;
 
 impl MassProperties {
@@ -66,9 +67,9 @@ impl MassProperties {
     ///
     /// * A room ([`Orientation::Inward`]) gets the mass of a solid that fills it. Its walls have no outer surface and
     ///   so no mass of their own.
-    /// * An open mesh whose openings together take at most 40 % of its area, as does a box without a lid, gets that of the mesh
-    ///   with its openings closed, each by a cone. This is exact where an opening is flat. The error is that of a half ball over
-    ///   each opening.
+    /// * An open mesh whose openings together take at most 40 % of its area, as does a box without a lid, gets the mass
+    ///   of the mesh with its openings closed, each by a cone. This is exact where an opening is flat. The error is
+    ///   that of a half ball over each opening.
     /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the generalised
     ///   winding number exceeds a half. They are found by sampling the bounding box; the error is half the volume of the samples
     ///   at their border.
@@ -162,15 +163,15 @@ impl Solid {
     }
 }
 
-/// An open mesh is closed for its mass if its openings together take at most this part of its area. Those of a sheet take all
-/// of it, and that of a half ball a half.
+/// An open mesh is closed for its mass if its openings together take at most this part of its area. The openings of a
+/// sheet take all of it, the opening of a half ball takes a half.
 const MAX_SHARE: f64 = 0.4;
 
 /// The mass of an open mesh with its openings closed, and its relative error; `None` if they are too large, or if the winding
 /// is not consistent.
 ///
-/// Where an opening is flat, its cap lies where the generalised winding number is a half, so that this is the same as the
-/// integral over the places where it is larger. Those would have to be sampled, and samples miss what is thin.
+/// Where an opening is flat, the generalised winding number on its cap is a half. The result then equals the integral
+/// over the places where the number is larger. Those would have to be sampled, and samples miss what is thin.
 fn capped(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
     let closure = mesh.closure().filter(|closure| closure.share <= MAX_SHARE)?;
     let solid = integrate(mesh, &closure.caps, aabb)?;

@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 /// The number of points of a shell that are tested for being inside another. One of them may lie on the other's surface.
 const SAMPLES: usize = 5;
 
-/// An open shell has an inside if it encloses more than this part of what a ball of its area does, about its middle. A sheet
-/// encloses nearly nothing.
+/// An open shell has an inside if it encloses, about its middle, more than this part of the volume of a ball of its
+/// area. A sheet encloses nearly nothing.
 const HOLLOW: f64 = 0.1;
 
 /// Faces that hang together across edges of two faces each.
@@ -60,7 +60,7 @@ impl Faces<'_> {
             let parent = shell.parent.map(|parent| &shells[parent]);
             parent.is_some_and(|parent| parent.volume * shell.volume > 0.0)
         });
-        // The faces of a closed shell with a volume are not all of those that were dropped.
+        // A closed shell with a volume has a face that was not dropped.
         let first = |shell: &Shell| shell.faces.iter().find_map(|&face| self.triangles.get(face as usize));
         inside.filter_map(first).map(|corners| corners[0]).collect()
     }
@@ -210,7 +210,7 @@ impl Shells {
         let boxes: Vec<Aabb> = closed.iter().map(|&shell| around(shell)).collect();
         let middles: Vec<Vec3> = boxes.iter().map(|b| b.center()).collect();
         let tree = BoxTree::of_scattered(&middles, |i| boxes[i]);
-        // The surfaces of shells around whose boxes there are others, as far as they are asked.
+        // The surfaces of shells that were asked, made when first asked.
         let mut surfaces: BTreeMap<usize, Surface> = BTreeMap::new();
         let mut asked = 0;
         for &own in &closed {
