@@ -150,7 +150,7 @@ impl<S: Simd> Edge<S> {
     }
 }
 
-/// The lines of the edges in a mask, at most two per lane, and `beside` for those that lack.
+/// The lines of the edges in a mask, at most two per lane; `beside` where a lane has fewer.
 #[inline(always)]
 fn two_of<S: Simd>(
     [first, second, third]: [mask32x8<S>; 3],

@@ -22,7 +22,7 @@ pub struct MeshContact {
     pub separation: f32,
     /// Faces on which the anchors lie, indices of the source meshes.
     pub faces: [u32; 2],
-    /// Features of each mesh that touch. The same two ids identify the same point after a small motion. Those of overlaps
+    /// Features of each mesh that touch. The same two ids identify the same point after a small motion. Ids of overlaps
     /// may not: see [`FeatureKind::Overlap`].
     ///
     /// [`FeatureKind::Overlap`]: crate::types::feature_id::FeatureKind::Overlap
@@ -53,7 +53,7 @@ pub struct PairMemory {
 #[derive(Default)]
 pub struct ContactWorker {
     worker: Worker,
-    /// For calls without the memory of a pair.
+    /// Memory for calls without a [`PairMemory`].
     one_call: Kept,
 }
 
