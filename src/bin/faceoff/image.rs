@@ -172,7 +172,7 @@ fn paint(canvas: &mut Canvas, left: u32, top: u32, picture: &HeightImage, colour
     }
 }
 
-/// A height from 0 to 1. What is flat is at its highest everywhere.
+/// A height from 0 to 1. A flat mesh is at its highest everywhere.
 fn share(height: f32, highest: f32) -> f32 {
     if highest > 0.0 { height / highest } else { 1.0 }
 }

@@ -74,7 +74,7 @@ struct Place {
     face: Option<u32>,
 }
 
-/// The number of places that are told of each kind of defect.
+/// The most places that are listed for each kind of defect.
 const TOLD_PLACES: usize = 5;
 
 /// Runs the command.

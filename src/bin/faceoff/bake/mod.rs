@@ -79,7 +79,7 @@ enum InwardChoice {
 }
 
 impl Options {
-    /// The settings of a bake: what the options leave open, the mesh's own settings decide.
+    /// The settings of a bake: the options, and the mesh's own settings where the options are left out.
     fn settings(&self, own: BakeSettings) -> BakeSettings {
         BakeSettings {
             faces: self.faces || own.faces,

@@ -135,7 +135,7 @@ fn is_recipe(path: &Path) -> bool {
 }
 
 impl Found {
-    /// A recipe that cannot be read is told when it is baked, or when its mesh clashes with it.
+    /// A recipe that cannot be read is reported when it is baked, or when its mesh clashes with it.
     fn new(source: PathBuf, relative: PathBuf, is_scanned: bool) -> Self {
         let read = |path: &Path| {
             fs::metadata(path)
