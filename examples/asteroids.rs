@@ -150,7 +150,7 @@ fn fly(
     }
 }
 
-/// Places who left the field on its other side, where `Teleport` shows it at once. Bullets are gone.
+/// Moves a body that left the field to its other side, where `Teleport` shows it at once. Bullets are despawned.
 fn wrap(mut commands: Commands, mut bodies: Query<(Entity, &mut Transform, Has<Bullet>), With<RigidBody>>) {
     for (entity, mut pose, is_bullet) in &mut bodies {
         let outside = pose.translation.abs().cmpgt(FIELD + 0.5);

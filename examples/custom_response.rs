@@ -146,7 +146,7 @@ fn solve(
     }
     let mut rows = Vec::new();
     for (one, other, points) in collisions.manifolds() {
-        // What has no number is the ground.
+        // Entities without a number are the ground.
         let pair = [one, other].map(|entity| numbers.get(&entity).copied().unwrap_or(0));
         let [a, b] = pair.map(|i| bodies[i]);
         for point in points {

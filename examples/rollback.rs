@@ -30,7 +30,7 @@ const HALF: f32 = 2.4;
 
 fn main() -> AppExit {
     let step = StepPlugin {
-        // The bits of a GPU are others.
+        // A GPU gives other bits.
         backend: Backend::Cpu,
         ..default()
     };
@@ -132,7 +132,7 @@ fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut input: ResMut<LocalInput>) {
     input.0 = pressed.map(|(_, direction)| direction).reduce(|a, b| a + b);
 }
 
-/// One step of the game: a step of which all is known, and those up to now again.
+/// One step of the game: a step whose inputs are all known, and the steps up to now again.
 fn advance(world: &mut World) {
     if !world.contains_resource::<Session>() && !begin(world) {
         return;

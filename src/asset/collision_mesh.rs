@@ -149,7 +149,7 @@ impl CollisionMesh {
             .map(|table| table.group(local))
     }
 
-    /// A bake of the mesh with other settings. Only data that depends on the changed settings is recomputed.
+    /// A copy of the mesh baked with other settings. Only data that depends on the changed settings is recomputed.
     ///
     /// # Errors
     /// [`Cancelled`] if the bake was cancelled through `progress`.

@@ -20,9 +20,9 @@ pub(super) fn work(triangles: usize) -> u64 {
 /// coordinate: a little more than the rounding of positions in single precision.
 const ROUNDING: f64 = 1.0 / (1 << 21) as f64;
 
-/// Replaces the triangles of a fan by others of the same polygon if it folds over. Whether the triangles cover the
-/// polygon now: they do not if it crosses itself, or if the work is used up. Corners that do not exist are left to
-/// others.
+/// Replaces the triangles of a fan by others of the same polygon if it folds over. Returns whether the triangles now
+/// cover the polygon: they do not if it crosses itself, or if the work is used up. Corners that do not exist are left
+/// to others.
 pub(super) fn straighten(fan: &mut [[u32; 3]], vertices: &[Vec3], work: &mut u64) -> bool {
     let [a, b, _] = fan[0];
     let corners = || [a, b].into_iter().chain(fan.iter().map(|triangle| triangle[2]));
@@ -80,7 +80,7 @@ impl Plane {
 /// A polygon whose ears are being cut off.
 struct Ears {
     places: Vec<DVec2>,
-    /// The corners after and before each that is left.
+    /// The corners after and before each corner that is left.
     next: Vec<u32>,
     last: Vec<u32>,
     /// Whether a corner is left that does not bulge out. Only those can be in an ear.

@@ -82,7 +82,7 @@ pub fn import_bytes(name: &str, bytes: &[u8]) -> Result<TriMesh, ImportError> {
     import_part(name, bytes, None)
 }
 
-/// Imports a mesh like [`import_bytes`], but reads only a part of a glTF or OBJ file if `part` is given.
+/// Reads a mesh as [`import_bytes`] does, or only a part of a glTF or OBJ file if `part` is given.
 ///
 /// Logs [warnings](Imported::warnings) with `tracing`.
 ///
@@ -261,7 +261,7 @@ impl Format {
     }
 
     fn recognised(name: &str, bytes: &[u8]) -> Result<Self, ImportError> {
-        // What stands in place of a mesh has any name.
+        // A pointer of Git LFS may have any name.
         if bytes.starts_with(LFS_POINTER) {
             return Err(ImportError::LfsPointer);
         }
@@ -310,7 +310,7 @@ impl Format {
 /// How the text begins that Git LFS leaves in place of a file.
 const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 
-/// Whether it is text in UTF-16: it begins with a byte order mark of that, and every other byte near it is zero.
+/// Whether the bytes are text in UTF-16: they begin with its byte order mark, and every other byte near it is zero.
 fn is_utf16(bytes: &[u8]) -> bool {
     let zero = match bytes {
         [0xff, 0xfe, ..] => 1,
@@ -326,7 +326,7 @@ fn has_old_line_ends(bytes: &[u8]) -> bool {
     !bytes.contains(&b'\n') && bytes.trim_ascii().contains(&b'\r')
 }
 
-/// Whether it is a ZIP file with the usual name of a 3MF model.
+/// Whether the bytes are a ZIP file with the usual name of a 3MF model.
 fn is_3mf(bytes: &[u8]) -> bool {
     let start = &bytes[..bytes.len().min(1 << 12)];
     start.starts_with(b"PK\x03\x04") && start.windows(8).any(|name| name.eq_ignore_ascii_case(b"3dmodel."))

@@ -16,11 +16,11 @@ use std::fmt::Write;
 
 /// Reads all objects of a file as one mesh, or only the chosen object or group.
 ///
-/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into
-/// as many triangles. The face index counts these triangles in the order of the file, over all objects and groups or
-/// those of the part, before any is dropped. Only `v` and `f` lines are read, and `o` or `g` lines for a part.
-/// Materials, normals, texture coordinates, colours, curves, points and lines are ignored, as are polygons with fewer
-/// than three corners. Negative indices count backwards from the last vertex read.
+/// Polygons are split into triangle fans from their first corner. Where such a fan would fold over, they are split
+/// otherwise, into as many triangles. The face index counts these triangles in the order of the file, over all objects
+/// and groups or those of the part, before any is dropped. Only `v` and `f` lines are read, and `o` or `g` lines for a
+/// part. Materials, normals, texture coordinates, colours, curves, points and lines are ignored, as are polygons with
+/// fewer than three corners. Negative indices count backwards from the last vertex read.
 pub(super) fn read(bytes: &[u8], part: Option<&MeshPart>, warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     let mut obj = Obj {
         choice: part.map(Choice::of).transpose()?,
@@ -193,7 +193,7 @@ impl Obj<'_> {
     }
 }
 
-/// The mesh without the vertices that no face uses. They are those of other parts.
+/// The mesh without the vertices that no face uses, which belong to other parts.
 fn only_used(vertices: &[Vec3], mut faces: Vec<[u32; 3]>) -> Result<TriMesh, MeshError> {
     const UNUSED: u32 = u32::MAX;
     let mut index = vec![UNUSED; vertices.len()];

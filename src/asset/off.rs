@@ -13,8 +13,9 @@ use std::fmt::Write;
 
 /// Reads a file as one mesh.
 ///
-/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into
-/// as many triangles. The face index counts these triangles in the order of the file, before any is dropped.
+/// Polygons are split into triangle fans from their first corner. Where such a fan would fold over, they are split
+/// otherwise, into as many triangles. The face index counts these triangles in the order of the file, before any is
+/// dropped.
 pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     let mut lines = (1..)
         .zip(without_byte_order_mark(bytes).split(|&b| b == b'\n'))

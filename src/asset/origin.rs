@@ -72,7 +72,7 @@ pub fn input_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
         files.push(files[0].with_file_name("").join(recipe.mesh));
     }
     let mesh = files[files.len() - 1].clone();
-    // Others name no files, and may be long.
+    // Files of other formats name no files, and may be long.
     let is_gltf = |name: &str| {
         [".gltf", ".glb"]
             .iter()

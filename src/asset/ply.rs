@@ -16,8 +16,9 @@ use ply_rs_bw::ply::{
 
 /// Reads the elements `vertex`, `face` and `tristrips` of a file as one mesh. Others are skipped.
 ///
-/// Polygons are split into triangle fans from their first corner, or otherwise where such a fan would fold over, into
-/// as many triangles. The face index counts these triangles in the order of the file, before any is dropped.
+/// Polygons are split into triangle fans from their first corner. Where such a fan would fold over, they are split
+/// otherwise, into as many triangles. The face index counts these triangles in the order of the file, before any is
+/// dropped.
 pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     if !is_likely(bytes) {
         return Err(ImportError::NotPly);
@@ -107,7 +108,7 @@ fn corners(reader: &mut Reader<&[u8]>, element: &ElementDef, header: &Header) ->
     elements(reader, element, header)
 }
 
-/// The name of the list of corners: that of most programs, and that of others.
+/// Whether a list has the name of the corners of a polygon: most programs write the first name, others the second.
 fn is_corners(name: &str) -> bool {
     name == "vertex_indices" || name == "vertex_index"
 }

@@ -29,7 +29,7 @@ impl BakedMesh {
             },
         );
         let turned = self.mesh.turned().iter().filter(|turned| **turned).count() as u64;
-        // All are turned only if the settings say so.
+        // All faces are turned only if the settings say so.
         if turned > 0 && turned < all {
             warnings.push(format!(
                 "{turned} of {all} faces were turned, so that neighbours agree and solids point outward; the file is unchanged"
@@ -72,7 +72,7 @@ impl BakedMesh {
         warnings
     }
 
-    /// What the mass is of, as the end of a sentence.
+    /// What the mass was computed from, as the end of a sentence.
     fn mass_text(&self) -> String {
         let error = self.mass.error * 100.0;
         match self.mass.basis {

@@ -16,7 +16,7 @@ const ENTRIES: Kernel = kernel!("force_scan/entries");
 const SEGMENTS: Kernel = kernel!("force_scan/segments");
 /// Counts the active contacts of each collider.
 const COUNTS: Kernel = kernel!("force_scan/counts");
-/// Adds up those of the colliders of each compound.
+/// Adds up the counts of the colliders of each compound.
 const COMPOUND_COUNTS: Kernel = kernel!("force_scan/compound_counts");
 /// Sums the impulses.
 const SUMS: Kernel = kernel!("force_scan/sums");

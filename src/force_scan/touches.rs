@@ -25,7 +25,7 @@ struct Touch {
 }
 
 impl Touches {
-    /// Removes all, at the beginning of a step.
+    /// Removes all touches, at the beginning of a step.
     pub fn clear(&mut self) {
         self.all.clear();
     }
@@ -48,7 +48,7 @@ impl Touches {
             };
             let [a, b] = pair.bodies.map(|i| i as usize);
             if bodies.travel_time_of(a) == 0.0 && bodies.travel_time_of(b) == 0.0 {
-                // It was recorded in the collision substeps of its bodies.
+                // The pair was recorded in the collision substeps of its bodies.
                 continue;
             }
             let diameter = 2.0 * solver_bodies.bodies[a].radius.min(solver_bodies.bodies[b].radius);

@@ -11,7 +11,7 @@ const WIDTH: usize = 8;
 /// correct for any order of the items, and fast if neighbours in the list are neighbours in space.
 pub struct BoxTree {
     count: usize,
-    /// The items in the order of the tree, unless that is their own.
+    /// The items in the order of the tree; `None` if that is their own order.
     order: Option<Vec<u32>>,
     /// From the leaves up; the last level has one box.
     levels: Vec<Vec<Aabb>>,

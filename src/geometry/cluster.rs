@@ -18,7 +18,7 @@ pub(crate) fn cluster_order(mesh: &TriMesh) -> Vec<u32> {
     compact_order(&centroids)
 }
 
-/// The cluster order of points; see [`cluster_order`].
+/// A permutation that orders points as [`cluster_order`] orders the centroids of triangles.
 pub(crate) fn compact_order(points: &[Vec3]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
     split(&mut order, points);

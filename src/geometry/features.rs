@@ -37,8 +37,8 @@ const NARROW: f64 = 1.5;
 ///
 /// Connectivity is that of [`TriMesh`], on welded vertices. Each vertex and each edge is owned by the first triangle
 /// that has it, so a loop over pairs of triangles visits each pair of features once. Triangles with two corners on one
-/// vertex are collapsed: they own nothing and are not neighbours across any edge. Neither do those that count once with
-/// another one that has the same corners.
+/// vertex are collapsed: they own nothing and are not neighbours across any edge. Triangles that count once with
+/// another one of the same corners own nothing either.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFeatures {
     /// Vertex positions in mesh space, in the order in which the mesh's triangles first use them.
@@ -60,9 +60,9 @@ pub struct MeshFeatures {
     /// For each triangle, the largest rotation of a contact normal away from the triangle's own at an edge that it
     /// owns, radians. It is 0 if the triangle owns no edge, and at most [`ANY_NORMAL`], which allows any normal.
     pub edge_normal_rotations: Vec<f32>,
-    /// For each triangle, the largest angle between its normal and the way to a point of another mesh to which it is
-    /// nearest at a vertex or edge that it owns, radians; at most [`ANY_NORMAL`], which allows any. Two-sided triangles
-    /// have that.
+    /// For each triangle, the largest angle between its normal and the direction to a point of another mesh whose
+    /// nearest feature is a vertex or edge that the triangle owns, radians; at most [`ANY_NORMAL`], which allows any.
+    /// Two-sided triangles have that value.
     pub nearest_rotations: Vec<f32>,
     /// For each triangle, the smallest radius of curvature of the surface at its edges, mesh units. It is 0 beside a
     /// crease or a boundary edge, and infinite if all edges are flat or concave.
@@ -126,8 +126,8 @@ impl MeshFeatures {
         &self.neighbors[at(vertex)..at(vertex + 1)]
     }
 
-    /// Notes triangles that own nothing because another one has the same corners. Else no edge of a surface that is
-    /// there twice could touch another edge: each has four triangles.
+    /// Marks triangles that own nothing because another one has the same corners. Otherwise no edge of a doubled
+    /// surface could touch another edge: each has four triangles.
     fn add_twins(&mut self, mesh: &TriMesh) {
         let twins = mesh.twins();
         if !twins.is_empty() {
@@ -542,7 +542,7 @@ mod tests {
                 assert!((radius - 2.0).abs() < 1.0e-3, "{vertex}: {radius}");
             }
         }
-        // At the equator of a torus they are those of the circle and of the tube.
+        // At the equator of a torus the radii are those of the circle and of the tube.
         let torus = of(&shapes::torus(96, 48, 0.7, 0.3));
         let mut found = 0;
         for (vertex, p) in torus.vertices.iter().enumerate().map(|(i, p)| (i, p.as_dvec3())) {

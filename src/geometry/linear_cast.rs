@@ -22,9 +22,9 @@ const TIE: f64 = 1.0e-9;
 /// A first touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// Along the line, not negative.
+    /// Distance along the line, not negative.
     pub distance: f64,
-    /// On the triangle that rests.
+    /// Point on the triangle that rests.
     pub point: DVec3,
     /// Unit vector against the motion, normal to the features that touch.
     pub normal: DVec3,
@@ -34,20 +34,20 @@ pub struct Touch {
     tie: f64,
 }
 
-/// The first of several touches, each with what it is of.
+/// The first of several touches, with what the caller told of it.
 pub struct First<T> {
     way: DVec3,
     found: Option<(Touch, T)>,
 }
 
 impl<T> First<T> {
-    /// None so far. All of them are touches of what moves along the unit vector `way`.
+    /// No touch so far. All touches will be of something that moves along the unit vector `way`.
     pub fn new(way: DVec3) -> Self {
         Self { way, found: None }
     }
 
-    /// Adds a touch. Of those at the same time the first is that of a face, then the one with the normal most directly
-    /// against the motion. The distance is always the shortest.
+    /// Adds a touch. Among touches at the same time one of a face comes first, then the one with the normal most
+    /// directly against the motion. The distance is always the shortest.
     pub fn add(&mut self, touch: Touch, of: T) {
         let Some((first, _)) = &mut self.found else {
             self.found = Some((touch, of));
@@ -165,7 +165,7 @@ impl Pieces {
     }
 
     fn add(&mut self, distance: f64, point: DVec3, normal: DVec3, is_face: bool) {
-        // Both were apart at the start. A touch before that is one only by rounding.
+        // The two were apart at the start: an earlier touch is rounding.
         if distance.is_nan() || distance < -ROUNDING * self.size {
             return;
         }
@@ -179,7 +179,7 @@ impl Pieces {
         self.touches.add(touch, ());
     }
 
-    /// The moving edge `e` and the resting edge `f`, if they touch between their ends.
+    /// Adds the touch of the moving edge `e` and the resting edge `f`, if they touch between their ends.
     fn add_edges(&mut self, [e, e_end]: [DVec3; 2], [f, f_end]: [DVec3; 2], radius: f64) {
         let way = self.way;
         let (u, v) = (e_end - e, f_end - f);
@@ -198,21 +198,21 @@ impl Pieces {
         }
     }
 
-    /// The moving point `end` and the sphere about a corner.
+    /// Adds the touch of the moving point `end` and the sphere about a corner.
     fn add_sphere(&mut self, end: DVec3, corner: DVec3, radius: f64) {
         if let Some((distance, normal)) = enters(end - corner, self.way, radius) {
             self.add(distance, corner, normal, false);
         }
     }
 
-    /// The moving point `end` and the cylinder about an edge.
+    /// Adds the touch of the moving point `end` and the cylinder about an edge.
     fn add_cylinder(&mut self, end: DVec3, [from, to]: [DVec3; 2], radius: f64) {
         if let Some((distance, normal, along)) = enters_cylinder(end - from, to - from, self.way, radius) {
             self.add(distance, from + (to - from) * along, normal, false);
         }
     }
 
-    /// A corner and the cylinder about the moving segment.
+    /// Adds the touch of a corner and the cylinder about the moving segment.
     fn add_corner(&mut self, corner: DVec3, [from, to]: [DVec3; 2], radius: f64) {
         if let Some((distance, normal, _)) = enters_cylinder(corner - from, to - from, -self.way, radius) {
             self.add(distance, corner, -normal, false);
@@ -234,8 +234,8 @@ fn enters(start: DVec3, way: DVec3, radius: f64) -> Option<(f64, DVec3)> {
     Some((distance, normal))
 }
 
-/// The distance at which the line from `start` along `way` enters the cylinder about the segment from the origin to
-/// `axis`, the normal there, and the fraction of the axis.
+/// The distance at which the line enters the cylinder about the segment from the origin to `axis`, the normal there,
+/// and the position along the axis as a fraction of it.
 fn enters_cylinder(start: DVec3, axis: DVec3, way: DVec3, radius: f64) -> Option<(f64, DVec3, f64)> {
     let squared = axis.length_squared();
     let across = |v: DVec3| v - axis * (v.dot(axis) / squared);

@@ -30,7 +30,7 @@ pub struct TriMesh {
     triangles: Vec<[u32; 3]>,
     face_ids: Vec<u32>,
     dropped: Vec<[u32; 3]>,
-    /// For each face of the input, whether its winding is reversed; empty if that of none is.
+    /// For each face of the input, whether its winding is reversed; empty if no face is.
     turned: Vec<bool>,
     topology: Box<Topology>,
 }
@@ -41,7 +41,7 @@ pub(crate) struct MeshParts {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) face_ids: Vec<u32>,
     pub(crate) dropped: Vec<[u32; 3]>,
-    /// For each face of the input, whether its winding is reversed; empty if that of none is.
+    /// For each face of the input, whether its winding is reversed; empty if no face is.
     pub(crate) turned: Vec<bool>,
     pub(crate) weld_tolerance: f32,
 }
@@ -164,18 +164,18 @@ impl TriMesh {
         self.turned_where(|_| true)
     }
 
-    /// A copy of the mesh with the winding of each shell made consistent, and with the faces of solids outward.
+    /// A copy of the mesh in which the winding of each shell is consistent and the faces of solids point outward.
     ///
     /// A *shell* is a set of faces that hang together across edges of two faces each. Edges are those of the welded
     /// mesh.
     ///
-    /// * If neighbouring faces of a shell disagree, some are turned. Those of a closed shell then point outward, as do
-    ///   those of an open one that encloses something; if the shell is closed and lies inside another closed one, it
-    ///   becomes a cavity of that. Of a sheet the smaller part of its area is turned.
+    /// * If neighbouring faces of a shell disagree, some are turned. The faces of a closed shell then point outward, as
+    ///   do those of an open one that encloses something. A closed shell inside another closed one becomes a cavity of
+    ///   that. In a sheet the part with the smaller area is turned.
     /// * A closed shell outside all others that points inward is turned, and what lies inside it with it. But if all
-    ///   such shells point inward, as they came, the mesh is a room, and none is turned.
-    /// * A shell inside another stays as it is: wound oppositely it is a cavity, wound alike a solid inside a solid;
-    ///   see [`DefectKind::SolidInSolid`].
+    ///   such shells point inward in the input, the mesh is a room, and none is turned.
+    /// * A shell inside another stays as it is: wound oppositely it is a cavity, wound alike a solid inside a solid; see
+    ///   [`DefectKind::SolidInSolid`].
     /// * A shell that has no consistent winding, like a Möbius strip, stays as it is.
     pub fn oriented(self) -> Self {
         // One closed surface is a solid or a room as it is.
@@ -219,7 +219,8 @@ impl TriMesh {
             self.turned = turned;
         }
         if self.topology.may_have_twins() {
-            // Which faces count may depend on the winding of the others. A stored mesh is read with that of now.
+            // Which faces count may depend on the winding of the others. A stored mesh is read with its current
+            // winding.
             let tolerance = self.topology.tolerance;
             return self.with_topology_at(tolerance);
         }
@@ -245,7 +246,7 @@ impl TriMesh {
         !self.turned.is_empty() && self.turned[self.face_ids[t] as usize]
     }
 
-    /// For each face of the input, whether its winding is reversed; empty if that of none is.
+    /// For each face of the input, whether its winding is reversed; empty if no face is.
     pub fn turned(&self) -> &[bool] {
         &self.turned
     }
@@ -278,8 +279,8 @@ impl TriMesh {
         black_box(self.face_ids[t]);
     }
 
-    /// The corner positions of a face of the input, by its index there, in their order there. `None` if there is none,
-    /// or it has no area. Looks at all triangles.
+    /// The corner positions of a face by its index in the input, in the input's order of corners. `None` if there is no
+    /// such face, or it has no area. Looks at all triangles.
     pub fn input_face(&self, face: u32) -> Option<[Vec3; 3]> {
         let t = self.face_ids.iter().position(|&id| id == face)?;
         let [a, b, c] = self.corners(t);
@@ -364,14 +365,13 @@ impl TriMesh {
         &self.topology.caps
     }
 
-    /// The vertices of triangles without area that close the mesh: dropped faces, and those of the caps that close
-    /// T-junctions.
+    /// The vertices of triangles without area that close the mesh: dropped faces, and caps that close T-junctions.
     pub(crate) fn slivers(&self) -> impl Iterator<Item = &[u32; 3]> {
         self.dropped.iter().chain(&self.topology.slivers)
     }
 
-    /// The triangles that do not count for what the mesh encloses, because another one has the same corners; and those
-    /// others. They collide. None if the mesh is open without them.
+    /// Pairs of a triangle that does not count for what the mesh encloses and the earlier one with the same corners
+    /// that does. Both collide. Empty if the mesh is open without the former.
     pub(crate) fn twins(&self) -> Vec<[usize; 2]> {
         self.faces().twin_triangles()
     }

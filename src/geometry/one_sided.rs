@@ -7,9 +7,9 @@ use crate::geometry::{Orientation, TriMesh};
 /// A face is one-sided if the winding number is within this of 0 before it and of 1 behind it.
 const DOUBT: f64 = 0.25;
 
-/// How many triangles and nodes the winding numbers of a mesh may look at: so many, and so many more for each triangle.
-/// About 20 ms, and a millisecond for a thousand triangles. Where triangles are long, a single number may look at all
-/// of them.
+/// How many triangles and nodes the winding numbers of a mesh may look at: a fixed number, and a number for each
+/// triangle. About 20 ms, and a millisecond for a thousand triangles. Where triangles are long, a single number may
+/// look at all of them.
 const WORK: [u64; 2] = [1_500_000, 50];
 
 /// Which triangles of a mesh are *one-sided*. Those push only to the side to which their normal points, and a body
@@ -26,15 +26,15 @@ pub enum OneSided {
 }
 
 impl OneSided {
-    /// Decides it for each triangle.
+    /// Decides for each triangle whether it is one-sided.
     ///
     /// * All triangles of a closed and consistently wound mesh are one-sided.
-    /// * In a nearly closed mesh (see [`TriMesh::caps`]) those are around which the winding number is nearly that of a
-    ///   solid's surface. A loose sheet in a solid stays two-sided. So are all faces that hang together and have no
-    ///   border. In a large mesh only some numbers are computed, at least one for each piece of surface as long as
-    ///   there is time; other triangles are like the nearest of them in the piece.
-    /// * All others are two-sided. The winding number alone would not do: at the bottom of a box without a lid it is
-    ///   within a tenth of that of a solid, and a ball in the box would be pushed out through the bottom.
+    /// * In a nearly closed mesh (see [`TriMesh::caps`]) a triangle is one-sided if the winding number around it is
+    ///   nearly that of a solid's surface. A loose sheet in a solid stays two-sided. All faces of a piece of surface
+    ///   without a border are one-sided. In a large mesh only some numbers are computed, at least one for each piece of
+    ///   surface as long as there is time; other triangles are like the nearest of them in the piece.
+    /// * All others are two-sided. The winding number alone would not do: at the bottom of a box without a lid it is within a
+    ///   tenth of that of a solid, and a ball in the box would be pushed out through the bottom.
     pub fn of(mesh: &TriMesh) -> Self {
         match mesh.orientation() {
             Orientation::Outward | Orientation::Inward => return Self::All,
@@ -57,7 +57,7 @@ impl OneSided {
         }
     }
 
-    /// Whether all triangles are.
+    /// Whether all triangles are one-sided.
     #[inline]
     pub fn all(&self) -> bool {
         *self == Self::All
@@ -76,8 +76,8 @@ impl From<Vec<bool>> for OneSided {
     }
 }
 
-/// Which triangles of a nearly closed mesh are one-sided, and how many triangles and nodes were looked at. No number is
-/// computed when there were more than `most`.
+/// Which triangles of a nearly closed mesh are one-sided, and how many triangles and nodes were looked at. When there
+/// were more than `most`, no further number is computed.
 fn nearly_closed(mesh: &TriMesh, most: u64) -> (Vec<bool>, u64) {
     let patches = mesh.patches();
     let patch = |t: usize| patches.of_triangles[t] as usize;
@@ -103,7 +103,7 @@ fn nearly_closed(mesh: &TriMesh, most: u64) -> (Vec<bool>, u64) {
     }
     let yes = known.iter().flatten().filter(|known| **known).count();
     let most_are = 2 * yes >= known.iter().flatten().count();
-    // The last triangle of each patch that is known, first of those before, then of those behind.
+    // The last known triangle of each patch: first going forward, then going backward.
     let mut last: Vec<Option<bool>> = vec![None; patches.is_closed.len()];
     let mut before = vec![None; count];
     for &t in &open {

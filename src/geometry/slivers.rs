@@ -39,7 +39,7 @@ impl AcrossSlivers {
         }
     }
 
-    /// The triangles that meet at an edge, itself among them; empty if it is not beside slivers.
+    /// The triangles that meet at an edge, the edge's own among them; empty if the edge is not beside slivers.
     pub fn at(&self, edge: [u32; 2]) -> &[usize] {
         let group = self.groups.get(&sorted(edge));
         let triangles = group.and_then(|group| self.triangles.get(group));

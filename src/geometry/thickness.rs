@@ -7,9 +7,9 @@ use glam::{DVec3, Vec3};
 
 /// The maximum number of rays, one per face.
 const SAMPLES: usize = 4096;
-/// The maximum number of ray-triangle tests in total: so many, and so many more for each triangle, up to a limit.
-/// Meshes in cluster order need a small part of it. If the triangles are in random order, or many are long, every box
-/// contains most of the mesh, and without a limit the rays could take minutes.
+/// The maximum number of ray-triangle tests in total: a fixed number, a number for each triangle, and a limit. Meshes
+/// in cluster order need a small part of it. If the triangles are in random order, or many are long, every box contains
+/// most of the mesh, and without a limit the rays could take minutes.
 const BUDGET: [u64; 3] = [2_000_000, 50, 30_000_000];
 /// The fraction of the sampled area that may be thinner than the result.
 const QUANTILE: f64 = 0.02;

@@ -4,11 +4,11 @@
 //! Each sign is computed with a bound on its error, which covers rounding and the given error of the corner positions.
 //! A value within its error bound counts as zero. Touching triangles are therefore never missed.
 //!
-//! Signs alone would say too much: an edge that almost lies in the other triangle's plane meets that plane at no
-//! certain place, and so seems to meet the triangle however far beside it passes. What signs call a touch must
-//! therefore also be one by distance: the triangles are disjoint if they are clearly apart along some direction. What
-//! remains of the band are triangles that are apart by no more than four times the error of a coordinate, and some
-//! 1e-14 of their own extent.
+//! Signs alone would report too many touches. An edge that almost lies in the other triangle's plane meets that plane
+//! at no certain place, and so seems to meet the triangle however far beside it passes. A touch by signs must therefore
+//! also be one by distance: the triangles are disjoint if they are clearly apart along some direction. Triangles that
+//! touch only by rounding are then apart by no more than four times the error of a coordinate, and some 1e-14 of their
+//! own extent.
 
 use super::distance::nearest;
 use glam::{DVec2, DVec3};
@@ -62,12 +62,12 @@ pub(crate) fn intersect_placed(a: &[DVec3; 3], b: &[DVec3; 3], placing: f64) -> 
     found.filter(|_| !clearly_apart(a, b, placing))
 }
 
-/// Whether the triangles are apart along some direction by more than the error of that. However wrong a direction is,
-/// what is apart along it does not touch.
+/// Whether the triangles are apart along some direction by more than the rounding error. Directions need not be exact:
+/// triangles that are apart along any direction do not touch.
 ///
-/// Disjoint triangles are apart along one of their normals, along one that is perpendicular to an edge within the
-/// plane, or along one that is perpendicular to an edge of each (Gottschalk 1996). Between two corners these may be a
-/// small part of the distance; then it is the direction of the distance itself.
+/// Disjoint triangles are apart along one of their normals, along a direction within a plane that is perpendicular to
+/// an edge, or along one that is perpendicular to an edge of each (Gottschalk 1996). Between two corners the gap along
+/// these may be a small part of the distance; so the direction of the distance itself is tried too.
 fn clearly_apart(a: &[DVec3; 3], b: &[DVec3; 3], placing: f64) -> bool {
     let (of_a, of_b) = (a.map(|p| p - a[0]), b.map(|p| p - a[0]));
     let extent = of_a.iter().chain(&of_b).map(|p| norm1(*p)).fold(0.0, f64::max);

@@ -34,7 +34,7 @@ struct Node {
     /// The sum of the triangles' area vectors.
     area_vector: DVec3,
     area: f64,
-    /// No corner is farther from the centre.
+    /// No corner is farther from the centre than this.
     radius: f64,
 }
 
@@ -45,7 +45,7 @@ impl Winding {
         let mut corners: Vec<[DVec3; 3]> = (0..count)
             .map(|t| mesh.welded_corners(t).map(|v| v.as_dvec3()))
             .collect();
-        // What does not count is a point.
+        // A triangle that does not count is shrunk to a point.
         for [t, _] in mesh.twins() {
             corners[t] = [corners[t][0]; 3];
         }
@@ -142,8 +142,8 @@ fn half_solid_angle([a, b, c]: [DVec3; 3]) -> DVec2 {
     )
 }
 
-/// A sum of angles, each that of a vector from the x axis. It turns one vector by the others, and so needs one arc
-/// tangent in all.
+/// A sum of the angles of vectors from the x axis. It turns one vector by the others, and so needs one arc tangent in
+/// all.
 struct Turn {
     vector: DVec2,
     /// Full turns, which the vector does not show.

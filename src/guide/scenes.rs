@@ -35,7 +35,7 @@
 //! fn spawn(mut commands: Commands) {
 //!     commands.spawn_scene(bsn! { PlaneCollider Friction::new(0.7) });
 //!     commands.spawn_scene(hammer());
-//!     // The same at another place, and thrown.
+//!     // A second hammer at another place, thrown.
 //!     commands.spawn_scene(bsn! {
 //!         hammer()
 //!         Transform::from_xyz(3.0, 2.0, 0.0)

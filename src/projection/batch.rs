@@ -156,7 +156,7 @@ impl<S: Simd> Edge<S> {
     }
 }
 
-/// The lines of the edges in a mask, at most two per lane, and `beside` for those that lack.
+/// The lines of the edges in a mask, at most two per lane; `beside` where a lane has fewer.
 #[inline(always)]
 fn two_of<S: Simd>(
     [first, second, third]: [mask32x8<S>; 3],
@@ -175,7 +175,7 @@ fn two_of<S: Simd>(
 pub(super) struct ProjectedTriangles {
     /// One bit for each triangle that is to be drawn.
     pub facing: u32,
-    /// One bit for each triangle of `facing` whose box contains a pixel centre.
+    /// One bit for each of these triangles whose box contains a pixel centre.
     pub crossing: u32,
     /// The first and the last row that may have a covered pixel centre.
     rows: [Stored; 2],

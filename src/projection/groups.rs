@@ -27,8 +27,8 @@ pub(super) fn index_width(triangles: u32) -> usize {
     }
 }
 
-/// Whether a set of `len` triangles is stored as a list. It is only if the list is shorter than the bits, so the length
-/// in bytes tells the two forms apart.
+/// Whether a set of `len` triangles is stored as a list. It is a list only if that is shorter than the bits, so the
+/// length in bytes tells the two forms apart.
 pub(super) fn is_list(len: usize, triangles: u32) -> bool {
     len.saturating_mul(index_width(triangles)) < bits_len(triangles)
 }

@@ -81,8 +81,8 @@ impl Raster {
         self.draw_by_definition(rotation).0
     }
 
-    /// The triangles of [`Raster::visible`], computed pixel by pixel from the definition. It is slow, and serves to
-    /// check the fast implementation.
+    /// The result of [`Raster::visible`], computed pixel by pixel from the definition. It is slow, and serves to check
+    /// the fast implementation.
     pub fn visible_by_definition(&self, rotation: &DMat3) -> Vec<u32> {
         self.draw_by_definition(rotation).1
     }

@@ -136,8 +136,8 @@ fn rescaled(u: Vec3) -> (f32, f32, f32) {
 }
 
 impl SupportHeights {
-    /// Bakes the support heights of `points`, relative to the origin. Without points they are those of the origin
-    /// alone.
+    /// Bakes the support heights of `points`, relative to the origin. Without points the heights are those of the
+    /// origin alone.
     pub fn of(points: impl Iterator<Item = Vec3>) -> Self {
         let directions = &lattice().directions;
         let mut heights = vec![f64::NEG_INFINITY; DIRECTIONS];

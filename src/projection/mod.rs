@@ -60,8 +60,8 @@ pub struct BakeSettings {
     pub weld_tolerance: f32,
     /// How to treat a closed mesh whose faces point inward.
     pub inward: Inward,
-    /// The thickness of the shell that an open mesh weighs if it encloses nothing, relative to the diagonal of its
-    /// bounding box; more than 0, at most 0.5. See
+    /// The thickness of the shell that gives an open mesh its mass if it encloses nothing, relative to the diagonal of
+    /// its bounding box; more than 0, at most 0.5. See
     /// [`MassProperties::with_shell`](crate::geometry::MassProperties::with_shell).
     pub shell_thickness: f32,
 }
@@ -75,8 +75,8 @@ pub struct BakeSettings {
 )]
 pub enum Inward {
     /// As a room. Bodies inside are free, and its walls push in the direction in which their faces point. Nothing is
-    /// ever reported as wholly inside. It has no mass of its own. It gets that of a solid that fills it, marked as
-    /// approximate.
+    /// ever reported as wholly inside. A room has no mass of its own. It gets the mass of a solid that fills it, marked
+    /// as approximate.
     #[default]
     Room,
     /// As a solid with reversed winding: its faces are turned.
@@ -120,7 +120,7 @@ impl BakeSettings {
     pub const MAX_IMAGE: u32 = 4096;
     /// The largest weld tolerance, relative to the diagonal of the mesh's bounding box.
     pub const MAX_WELD_TOLERANCE: f32 = 0.01;
-    /// The largest shell thickness, relative to the same.
+    /// The largest shell thickness, relative to the diagonal of the mesh's bounding box.
     pub const MAX_SHELL_THICKNESS: f32 = 0.5;
 
     /// Checks that all fields are in their documented ranges.

@@ -130,7 +130,7 @@ impl Raster {
     /// completely.
     ///
     /// Neither the order of the triangles nor that of the rows matters to a maximum, or to whether there is a pixel. So
-    /// the set is that of [`Raster::visible_by_definition`] if the heights are: see [`super::batch`].
+    /// the set equals that of [`Raster::visible_by_definition`] if the heights do: see [`super::batch`].
     pub(super) fn visible_bits<'s>(&self, rotation: &DMat3, scratch: &'s mut Scratch) -> &'s [u64] {
         let view = self.view(rotation);
         with_simd!(simd => self.draw(simd, &view, scratch));

@@ -45,7 +45,7 @@ impl<S: Simd> Boxes<S> {
         }
     }
 
-    /// The boxes after scaling.
+    /// A copy of the boxes after scaling.
     #[inline(always)]
     pub fn scaled(self, by: Points<S>) -> Self {
         Self {
@@ -94,7 +94,7 @@ pub struct Swept<S: Simd> {
 }
 
 impl<S: Simd> Swept<S> {
-    /// From `start` along the unit vector `way`.
+    /// A box that moves from `start` along the unit vector `way`.
     #[inline(always)]
     pub fn new(simd: S, start: DVec3, half: DVec3, way: Vec3, pad: f32) -> Self {
         Self {

@@ -70,7 +70,7 @@ impl Placed<'_> {
             PlacedShape::Round(round) if self.overlaps_round(&round) => self.start_hit(translation),
             PlacedShape::Round(round) => self.cast_round(&round, way, max_distance),
         }?;
-        // The faces of a box are nobody's.
+        // A box has no faces to report.
         let shape_face = hit.shape_face.filter(|_| matches!(shape, QueryShape::Mesh(..)));
         Some(CastHit { shape_face, ..hit })
     }
@@ -105,7 +105,7 @@ impl Placed<'_> {
     }
 
     fn cast_mesh(&self, other: &Placed, way: DVec3, max_distance: f64, scratch: &mut CastScratch) -> Option<CastHit> {
-        // Everything is relative to this mesh's translation, from where the bounding spheres meet on.
+        // Positions are relative to this mesh's translation. The search begins where the bounding spheres meet.
         let origin = self.translation();
         let apart = other.center_of_mass() - self.center_of_mass();
         let [start, end] = self.span(apart, f64::from(other.radius()), way, max_distance)?;

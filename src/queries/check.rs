@@ -74,7 +74,7 @@ pub struct CheckOptions {
 /// All touching pairs of placements, ascending, with every triangle tested, on the CPU.
 ///
 /// The poses count as exact. Corners are placed in double precision, and no touch is missed. Triangles that are apart
-/// by no more than the rounding of that, 1e-14 of the two bodies' size, may count as touching.
+/// by no more than the rounding of their corners, 1e-14 of the two bodies' size, may count as touching.
 ///
 /// Runs on rayon's current thread pool: call it inside `ThreadPool::install` to choose one.
 ///
@@ -205,7 +205,7 @@ pub fn check_on_gpu(
 /// The input of a step for these placements.
 fn step_of(placements: &[Placement], options: &CheckOptions) -> Result<StepState, PlacementError> {
     let mut state = StepState::default();
-    // Whoever asks waits for the whole answer.
+    // The caller waits for the whole answer, however long.
     state.input.config.limits = StepLimits::NONE;
     for (body, placement) in placements.iter().enumerate() {
         let slot = slot_of(&placement.mesh, &mut state.input.meshes);

@@ -22,8 +22,8 @@ pub struct MeshContact {
     pub separation: f32,
     /// Faces on which the anchors lie, indices of the source meshes.
     pub faces: [u32; 2],
-    /// Features of each mesh that touch. The same two ids identify the same point after a small motion. Those of
-    /// overlaps may not: see [`FeatureKind::Overlap`].
+    /// Features of each mesh that touch. The same two ids identify the same point after a small motion. Ids of overlaps
+    /// may not: see [`FeatureKind::Overlap`].
     ///
     /// [`FeatureKind::Overlap`]: crate::types::feature_id::FeatureKind::Overlap
     pub features: [FeatureId; 2],
@@ -49,12 +49,11 @@ pub struct PairMemory {
 /// is negative or NaN counts as 0. Overlapping meshes have points whatever their depth and the margin. Meshes more than
 /// [`MAX_COORDINATE`] metres apart have none. The time grows with the area of the surfaces within the margin.
 ///
-/// Equal meshes with equal poses give the same bits, also if both are translated together, however far: see
-/// [`Placed`].
+/// Equal meshes with equal poses give the same bits, also if both are translated together, however far: see [`Placed`].
 #[derive(Default)]
 pub struct ContactWorker {
     worker: Worker,
-    /// For calls without the memory of a pair.
+    /// Memory for calls without a [`PairMemory`].
     one_call: Kept,
 }
 

@@ -20,8 +20,8 @@ impl Placed<'_> {
     ///
     /// Meshes and boxes are tested triangle by triangle, as in a simulation: no touch is missed, and triangles may
     /// count as touching if they are apart by no more than the rounding of their corners in double precision, 1e-14 of
-    /// the size of both. Far from the origin it is the same, for only the difference of the translations counts.
-    /// `rotation` may have any length but zero. An invalid shape or pose overlaps nothing.
+    /// the size of both. Results far from the origin are as exact, because only the difference of the translations
+    /// counts. `rotation` may have any length but zero. An invalid shape or pose overlaps nothing.
     pub fn overlaps(&self, shape: &QueryShape, translation: DVec3, rotation: DQuat) -> bool {
         match shape.placed(translation, rotation) {
             Some(PlacedShape::Mesh(mesh)) => self.overlaps_mesh(&mesh),

@@ -189,7 +189,7 @@ impl<'a> Placed<'a> {
         self.pose
     }
 
-    /// A mesh in the pose that it had before.
+    /// Restores a placed mesh from its earlier pose.
     pub(super) fn again(mesh: &'a CollisionMesh, pose: PlacedPose) -> Self {
         Self { mesh, pose }
     }

@@ -71,7 +71,7 @@ impl Ray {
 
 /// A direction of length 1. `None` if it is zero or not finite.
 pub(super) fn unit(direction: DVec3) -> Option<DVec3> {
-    // However long or short it is.
+    // Scaled first, so that no length overflows or underflows.
     (direction / direction.abs().max_element()).try_normalize()
 }
 
@@ -147,8 +147,8 @@ struct Cast<'a> {
     ray: &'a Ray,
     /// Its unit direction in the world.
     way: DVec3,
-    /// From where it enters the box of the mesh. All triangles are tested from there, so that the distance to the mesh
-    /// costs no precision.
+    /// The ray from where it enters the box of the mesh on. All triangles are tested from there, so that the distance
+    /// to the mesh costs no precision.
     line: Line,
     /// The distance at which it enters, metres.
     enter: f64,
@@ -158,7 +158,7 @@ struct Cast<'a> {
 struct Meeting {
     triangle: usize,
     distance: f64,
-    /// The weights of the triangle's corners.
+    /// Barycentric weights of the triangle's corners.
     weights: [f64; 3],
 }
 
@@ -214,7 +214,7 @@ impl<'a> Cast<'a> {
             |group, most| swept.bounds(&Boxes::of(simd, group), most),
             #[inline(always)]
             |cluster| {
-                // One number of each third of the cluster, and its end.
+                // Loads one number of each third of the cluster, and its end, into the cache.
                 let [a, b, c] = &lanes.clusters[cluster as usize].corners;
                 black_box((a[0].0[0], b[0].0[0], c[0].0[0], c[2].0[7]));
                 mesh.mesh.read_early(cluster as usize * CLUSTER);
@@ -222,8 +222,8 @@ impl<'a> Cast<'a> {
             #[inline(always)]
             |cluster| {
                 let first = cluster as usize * CLUSTER;
-                // In a large mesh memory takes most of the time. So the exact test does not wait for its triangle after
-                // this one has waited for the cluster.
+                // In a large mesh memory takes most of the time. So the triangles for the exact test are loaded while
+                // this test waits for the cluster.
                 mesh.mesh.read_early(first);
                 for lane in bits(may_meet(simd, &lanes.clusters[cluster as usize], self.line.start, way)) {
                     most = hit(first + lane, most);

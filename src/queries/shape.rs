@@ -9,9 +9,9 @@ use std::sync::LazyLock;
 /// A shape to ask with, in its own axes. A ball, a box, a capsule and a closed mesh are solid: they overlap what is
 /// inside them.
 ///
-/// A shape is valid if its numbers are finite, radii and lengths are not negative, half sizes are positive, and the
-/// scale does not make the mesh flat. The same holds for half sizes: the largest is at most a million times the
-/// smallest. Asked with a shape or a pose that is not valid, every query finds nothing.
+/// A shape is valid if its numbers are finite, radii and lengths are not negative, half sizes are positive, the scale
+/// does not make the mesh flat, and the largest half size is at most a million times the smallest. Asked with a shape
+/// or a pose that is not valid, every query finds nothing.
 #[derive(Clone, Copy, Debug)]
 pub enum QueryShape<'a> {
     /// A mesh with a scale along its own axes, which may mirror.

@@ -3,7 +3,8 @@
 //! An [`f32x8`] and an [`f64x4`] are in a register: two of SSE2 and NEON, one of AVX2. [`Stored`] is in memory.
 //! [`level`](super::level) tells where the token `S` comes from, and why everything here is inlined.
 //!
-//! `a.min(b)` and `a.max(b)` are the instructions of x86 there: `b` where one of both is NaN, or where both are zero.
+//! `a.min(b)` and `a.max(b)` give what the instructions of x86 give: `b` where one of both is NaN, or where both are
+//! zero.
 
 pub use fearless_simd::prelude::{Select, Simd, SimdBase, SimdCombine, SimdFloat, SimdFrom, SimdMask, SimdSplit};
 pub use fearless_simd::{f32x8, f64x4, mask32x8, mask64x4};
@@ -345,7 +346,7 @@ pub fn set_lanes(mask: u32) -> &'static [u8; 8] {
     &SET_LANES[mask as usize % SET_LANES.len()]
 }
 
-/// Appends the first of these, as many as `mask` has lanes. It has no branches, which processors would mispredict.
+/// Appends the first items of `eight`, as many as `mask` has lanes. No branches, which processors would mispredict.
 #[inline(always)]
 pub fn push_some<T: Copy>(list: &mut Vec<T>, eight: [T; 8], mask: u32) {
     let count = list.len() + mask.count_ones() as usize;

@@ -211,7 +211,7 @@ mod tests {
             for (narrow, wide) in narrow.0.iter().zip(&wide.0) {
                 for (narrow, wide) in narrow.0.iter().zip(wide.0) {
                     let same = narrow.to_bits() == wide.to_bits();
-                    // The compiler may pass on either of two NaN.
+                    // An operation on two NaNs may return either: the compiler chooses.
                     assert!(
                         same || (narrow.is_nan() && wide.is_nan()),
                         "{narrow} {wide} of {numbers:?}"

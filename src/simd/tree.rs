@@ -115,8 +115,8 @@ impl<'a, S: Simd> Tree<'a, S> {
         }
     }
 
-    /// A tree of which only nodes that meet a box of `within` touch the other body. The boxes are in the axes of the
-    /// first body and in the pair's unit of length, relative to the first body's centre.
+    /// Restricts the tree: only nodes that meet one of these boxes touch the other body. The boxes are in the axes of
+    /// the first body and in the pair's unit of length, relative to the first body's centre.
     #[inline(always)]
     pub fn within(self, within: &'a [Aabb]) -> Self {
         Self { within, ..self }

@@ -59,7 +59,7 @@ impl Sleeper {
         self.wake_each(bodies, manifolds, settings, gravity, |_| dt);
     }
 
-    /// Wakes islands like [`Self::wake`], where body `i` moves for `dt(i)` seconds in the collision substep.
+    /// Wakes islands as [`Self::wake`] does, where body `i` moves for `dt(i)` seconds in the collision substep.
     pub(crate) fn wake_each(
         &mut self,
         bodies: &mut SolverBodies,
@@ -113,8 +113,7 @@ impl Sleeper {
         self.settle_each(bodies, manifolds, settings, |_| dt);
     }
 
-    /// Advances rest times like [`Self::settle`], where body `i` has moved for `dt(i)` seconds in the collision
-    /// substep.
+    /// Settles bodies as [`Self::settle`] does, where body `i` has moved for `dt(i)` seconds in the collision substep.
     pub(crate) fn settle_each(
         &mut self,
         bodies: &mut SolverBodies,

@@ -19,8 +19,8 @@ pub(crate) struct SleepInputs {
     pub locked_axes: LockedAxes,
 }
 
-/// These properties and the pose: that of the body and, in a body of several colliders, the pose of the collider and
-/// the body's centre of mass.
+/// These properties, the pose of the body and, in a body of several colliders, the place of the collider and the body's
+/// centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct PlacedSleepInputs {
     pub inputs: SleepInputs,

@@ -1,11 +1,11 @@
 //! Whether a body is at rest.
 //!
-//! It is noted how far a body goes and turns in each half of [`SolverSettings::sleep_time`]. At rest that is nearly
-//! nothing, and the same in two halves that follow each other: where they differ the body is accelerated, as on a slope
-//! that is a little steeper than its friction holds, or at the turning point of a swing. Ways and not speeds are
-//! compared, because what trembles in a pile stays where it is. What trembles so that the halves differ is watched for
-//! longer: an acceleration that goes on would take it away. All lengths are fractions of the size of the body, so that
-//! small ones behave as large ones do.
+//! It is noted how far a body moves and turns in each half of [`SolverSettings::sleep_time`]. A body at rest goes
+//! nearly nowhere, and as far in one half as in the next. If the halves differ, the body accelerates, as on a slope
+//! that is a little steeper than its friction holds, or at the turning point of a swing. Distances and not speeds are
+//! compared, because a body that trembles in a pile stays where it is. A body that trembles so that the halves differ
+//! is watched for longer: a lasting acceleration would take it away. All lengths are fractions of the size of the body,
+//! so that small bodies behave as large ones do.
 //!
 //! The rest time tells how far this has come, in halves of the sleep time:
 //!
@@ -19,13 +19,14 @@ use crate::solver::SleepState;
 use crate::solver::bodies::{SolverBody, SolverMotion, Way};
 use crate::types::solver_settings::SolverSettings;
 
-/// A body at rest goes no farther while it is watched, as a fraction of its bounding diameter.
+/// The largest distance that a body at rest moves while it is watched, as a fraction of its bounding diameter.
 pub(crate) const CREEP: f32 = 1.0e-3;
-/// The ways in two halves of the sleep time differ by no more, as a fraction of the bounding diameter.
+/// The largest difference between the ways in two halves of the sleep time, as a fraction of the bounding diameter.
 pub(crate) const DRIFT: f32 = 2.0e-4;
-/// A body that touches nothing goes no farther in half of the sleep time: nothing holds it, so it would go on.
+/// The largest distance that a body which touches nothing moves in half of the sleep time, as a fraction of its
+/// bounding diameter. Nothing holds it, so it would go on.
 pub(crate) const FREE_CREEP: f32 = 1.0e-5;
-/// What is watched for longer, and what is at rest, may creep no farther in so many halves of the sleep time.
+/// How many halves of the sleep time a body moves by at most [`CREEP`], if it is at rest or watched for longer.
 pub(crate) const LONG_WATCH: f32 = 4.0;
 
 /// Larger bodies count as this large, metres: what gravity does in a time does not grow with their size.
@@ -39,7 +40,7 @@ pub(super) fn advance(
     dt: f32,
     settings: &SolverSettings,
 ) {
-    // Its step is completed.
+    // The body has completed its step.
     if dt == 0.0 {
         return;
     }
@@ -61,7 +62,7 @@ pub(super) fn advance(
     } else if passes(1.0) || passes(2.0) {
         let drifts = sleep.way.minus(&sleep.last_way).length(body.extent) > DRIFT * size;
         if passes(2.0) && drifts {
-            // What slows down is compared again.
+            // A body that slows down is compared again.
             let slows_down = way < sleep.last_way.length(body.extent);
             sleep.rest_time = if slows_down { half } else { -LONG_WATCH * half };
         }
@@ -75,7 +76,7 @@ pub(super) fn floats(sleep: &SleepState, body: &SolverBody) -> bool {
     sleep.last_way.length(body.extent) > FREE_CREEP * size(body)
 }
 
-/// The size of which lengths are fractions, metres.
+/// The size that lengths are fractions of, metres.
 fn size(body: &SolverBody) -> f32 {
     (2.0 * body.extent).min(LARGEST)
 }

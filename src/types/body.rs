@@ -195,13 +195,13 @@ impl ExternalForces {
     /// The acceleration of the centre of mass by the force, m/s², and an upper bound of the angular acceleration by the
     /// torque, rad/s². The inverse inertia tensor may be in any axes.
     pub(crate) fn accelerations(&self, inverse_mass: f32, inverse_inertia: &Mat3) -> (Vec3, f32) {
-        // No vector grows by more than the Frobenius norm.
+        // The matrix lengthens no vector by more than its Frobenius norm.
         let Mat3 { x_axis, y_axis, z_axis } = inverse_inertia;
         let norm = Vec3::new(x_axis.length(), y_axis.length(), z_axis.length()).length();
         (self.force * inverse_mass, norm * self.torque.length())
     }
 
-    /// The forces that change velocities within a second as the impulses do at once.
+    /// Forces that change velocities within a second as much as the impulses do at once.
     #[cfg(feature = "gpu")]
     pub(crate) fn in_a_second(&self) -> Self {
         Self {
@@ -211,9 +211,8 @@ impl ExternalForces {
         }
     }
 
-    /// The forces and impulses, weaker where a force would accelerate the body by more than `most` m/s² or rad/s², or
-    /// an impulse change its velocities by more than `most`. No speed can be as large, and products of larger numbers
-    /// overflow.
+    /// A copy that is weaker where a force would accelerate the body by more than `most` m/s² or rad/s², or an impulse
+    /// change its velocities by more than `most`. No speed can be as large, and products of larger numbers overflow.
     pub(crate) fn bounded(&self, inverse_mass: f32, inverse_inertia: &Mat3, most: f32) -> Self {
         let Mat3 { x_axis, y_axis, z_axis } = inverse_inertia;
         let norm = Vec3::new(x_axis.length(), y_axis.length(), z_axis.length()).length();

@@ -4,9 +4,9 @@ use std::fmt;
 
 /// The feature of a mesh at a contact point, packed into 32 bits.
 ///
-/// If the ids of two points of the same pair agree on both sides, the second one is the first one at a later time. The
-/// ids of a mesh depend only on the source mesh and its bake settings, not on its pose, on the other body, or on the
-/// run of the program. Those of overlaps are different: see [`FeatureKind::Overlap`]. No id is zero.
+/// Two contact points of a pair, found at different times, are the same point if their ids agree on both sides. The ids
+/// of a mesh depend only on the source mesh and its bake settings, not on its pose, on the other body, or on the run of
+/// the program. Ids of overlaps are different: see [`FeatureKind::Overlap`]. No id is zero.
 ///
 /// An index has 28 bits. In a mesh with more than 89 million faces different features may have the same id.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -20,7 +20,7 @@ pub enum FeatureKind {
     Vertex,
     /// An edge between two faces, or at a boundary. The index is `3 f + e`, where `f` is the index of a face at the
     /// edge, and `e` is 0 for the edge from the face's first corner to its second, 1 for the next edge and 2 for the
-    /// last one. Of the two faces at an edge it is always the same one.
+    /// last one. `f` is always the same one of the edge's faces.
     Edge,
     /// The interior of a face. The index is that of the face in the source mesh.
     Face,
@@ -28,7 +28,7 @@ pub enum FeatureKind {
     /// those of the pair at the time.
     ///
     /// Several regions may exchange their numbers as bodies move, above all when one appears or vanishes. Places may
-    /// exchange theirs when the region changes its shape. Match these points by their positions too.
+    /// exchange their numbers when the region changes its shape. Match these points by their positions too.
     Overlap {
         /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves, 6
         /// and 7 for where the first and the second body reach deepest.

@@ -8,7 +8,7 @@
 pub struct GpuWork {
     /// Calls of kernels.
     pub dispatches: u32,
-    /// The dispatches whose number of workgroups is computed on the GPU.
+    /// Dispatches whose number of workgroups is computed on the GPU.
     pub indirect: u32,
     /// Dispatches that wgpu adds: one before each indirect one, which checks its arguments. None on a device that this
     /// crate has opened itself, unless the environment variable `WGPU_VALIDATION_INDIRECT_CALL` is 1.
@@ -66,7 +66,7 @@ pub struct GpuLists {
     pub pair_pieces: GpuList,
     /// Pairs of triangles near each other, of a batch.
     pub near_triangles: GpuList,
-    /// Pieces of large pairs in the search for pairs of triangles near each other, of a batch.
+    /// Pieces of large pairs in the search for near triangles, of a batch.
     pub near_pieces: GpuList,
     /// Features from which contact points are made, of a batch.
     pub features: GpuList,

@@ -4,8 +4,8 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Which hooks are called for pairs with this collider or plane; one of a pair is enough. A collider without this
-/// component has that of its body. Default: none.
+/// Which hooks are called for pairs with this collider or plane. One of the two is enough to ask for a hook. A collider
+/// without this component has that of its body. Default: none.
 ///
 /// In an app the hooks are a [`CollisionHooks`](crate::plugin::hooks::CollisionHooks).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

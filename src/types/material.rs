@@ -35,7 +35,7 @@ impl Friction {
         }
     }
 
-    /// Friction with this coefficient and another rule.
+    /// A copy with another combine rule.
     pub fn with_combine(self, combine: CombineRule) -> Self {
         Self { combine, ..self }
     }
@@ -69,7 +69,7 @@ impl Restitution {
         }
     }
 
-    /// Restitution with this coefficient and another rule.
+    /// A copy with another combine rule.
     pub fn with_combine(self, combine: CombineRule) -> Self {
         Self { combine, ..self }
     }
@@ -110,7 +110,7 @@ impl CombineRule {
             Self::Multiply => a * b,
             Self::Max => a.max(b),
         };
-        // An infinite one is no bound where nothing presses: infinity times 0 is no number.
+        // An infinite coefficient would give NaN where nothing presses: infinity times 0.
         combined.min(f32::MAX)
     }
 }

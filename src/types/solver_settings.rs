@@ -35,8 +35,8 @@ pub struct SolverSettings {
     /// Smallest number of passes per substep without bias velocity, after the bodies have moved. They remove the
     /// velocity that the bias added. Default 2. Without them chains break.
     pub relax_iterations: u32,
-    /// Most passes of either kind. Default 64. Small islands get as many as they need to converge, large
-    /// ones fewer, and on a GPU those under heavy loads too.
+    /// Most passes of either kind. Default 64. Small islands get as many as they need to converge. Large ones get
+    /// fewer, and so do islands under heavy loads on a GPU.
     pub max_iterations: u32,
     /// An island has converged if no pass changes the velocity at a contact by more than this, in m/s.
     /// Default 0.001. Small bodies, and light ones below heavy ones, are solved more exactly.
@@ -69,8 +69,8 @@ pub struct SolverSettings {
     pub restitution_threshold: f32,
     /// Passes over all pairs that resolve impacts. Default 4.
     ///
-    /// At least so many in each substep with impacts, until the impulses have converged: impacts of elastic bodies keep
-    /// the energy. A single pair is exact after one pass.
+    /// Each substep with impacts makes at least this many, until the impulses have converged, so that impacts of
+    /// elastic bodies keep the energy. A single pair is exact after one pass.
     pub restitution_iterations: u32,
     /// Warm starting: a point keeps the impulse of a point of the last collision substep that is at most this far away.
     /// In D, default 0.05.
@@ -94,9 +94,9 @@ pub struct SolverSettings {
     /// thrown body is slow at the top of its path. However short, it takes two collision substeps.
     ///
     /// A body is at rest if it goes nearly nowhere, however slow it is: in half of this time less than 0.1 % of its
-    /// bounding diameter (of 2 m, if that is less), and in the second half as far as in the first. It is watched for
-    /// three times as long if the halves differ by more than 0.02 % and it does not slow down. What touches nothing is
-    /// at rest only if it does not move.
+    /// bounding diameter (of 2 m, if that is less), and in the second half as far as in the first. If the halves differ
+    /// by more than 0.02 % and the body does not slow down, it is watched for three times as long. A body that touches
+    /// nothing is at rest only if it does not move.
     pub sleep_time: f32,
 }
 

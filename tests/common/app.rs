@@ -30,7 +30,7 @@ pub struct Sim {
 }
 
 impl Sim {
-    /// Without gravity, on one thread, with the folder of test assets.
+    /// An app without gravity, on one thread, with the folder of test assets.
     pub fn new() -> Self {
         Self::with_threads(1)
     }
@@ -39,7 +39,7 @@ impl Sim {
         Self::with_step(Self::step_plugin(threads))
     }
 
-    /// On one thread, with another plugin.
+    /// An app on one thread, with another plugin.
     pub fn with_plugin(plugin: impl Plugin) -> Self {
         let mut app = App::new();
         let step = Self::step_plugin(1);
@@ -61,7 +61,7 @@ impl Sim {
         }
     }
 
-    /// With these settings of the step plugin.
+    /// An app with these settings of the step plugin.
     pub fn with_step(step: StepPlugin) -> Self {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }));
@@ -79,7 +79,7 @@ impl Sim {
         app.insert_resource(Time::<Fixed>::from_duration(STEP))
             .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
             .insert_resource(Gravity(Vec3::ZERO))
-            // For the tests that look at them.
+            // Some tests look at the lists of faces.
             .insert_resource(FaceLists(true));
         app.finish();
         app.cleanup();
@@ -173,7 +173,7 @@ pub fn start_of([a, b]: [Entity; 2]) -> CollisionStart {
     }
 }
 
-/// The message of its end.
+/// The message of the end of such a touch.
 pub fn end_of([a, b]: [Entity; 2]) -> CollisionEnd {
     CollisionEnd {
         target: a,
@@ -200,8 +200,8 @@ pub fn resting(mesh: &MeshCollider, position: Vec3) -> impl Bundle + use<> {
     (RigidBody::Dynamic, mesh.clone(), Transform::from_translation(position))
 }
 
-/// Its place in the order of collisions, if it has no stable key: that of spawning, for entities that replace no
-/// others.
+/// The place of an entity without a stable key in the order of collisions: that of spawning, unless it replaces
+/// another.
 pub fn place(entity: &Entity) -> u64 {
     entity.to_bits() ^ u64::from(u32::MAX)
 }
@@ -219,7 +219,8 @@ pub fn assert_near(found: Vec3, wanted: Vec3, tolerance: f32) {
     );
 }
 
-/// Every start has had its end but for the pairs that touch now, and no pair has a despawned collider.
+/// Requires that every start has had its end, but for the pairs that touch now, and that no pair has a despawned
+/// collider.
 #[track_caller]
 pub fn assert_told(sim: &Sim) {
     let pair = |[a, b]: [Entity; 2]| sorted(a, b);

@@ -175,10 +175,10 @@ pub fn over_a_groove(speeds: &[f32], phases: u32) {
 /// What pairs do that pass each other.
 #[derive(Default, Debug)]
 pub struct Passes {
-    /// Their true gap stays above 0.1 mm, and their velocities change.
+    /// Pairs whose true gap stays above 0.1 mm, but whose velocities change.
     pub deflected: usize,
     pub free: usize,
-    /// They truly meet, and nothing happens.
+    /// Pairs that truly meet, but nothing happens.
     pub missed: usize,
     pub hits: usize,
     pub worst: f32,
@@ -196,7 +196,7 @@ struct Flight {
 /// A larger change of velocity, m/s, shows that a body has met another, though it be at a glancing angle.
 const CHANGED: f32 = 1.0e-4;
 
-/// The first of [`small_shapes`] are closed; these are so many.
+/// How many of [`small_shapes`] are closed: the first ones.
 const SOLIDS: usize = 5;
 
 /// How far the surface for which a mesh stands lies beyond its facets, metres: that of a ball or of a torus. Bodies
@@ -272,7 +272,7 @@ pub fn throw(seed: u64, count: usize, spins: bool) -> Passes {
                     angular_velocity: spin,
                     mass: Some(1.0),
                     params: BodyParams {
-                        // Without thickness they cross others in a collision substep.
+                        // Shapes without thickness would cross others in a collision substep.
                         continuous: mesh >= SOLIDS,
                         ..BodyParams::default()
                     },
@@ -367,7 +367,7 @@ fn check_throws(seed: u64, count: usize, spins: bool, one_in: usize) {
     assert!(passes.missed * one_in <= passes.hits, "{passes:?}");
 }
 
-/// No pair is.
+/// No pair may be deflected or missed.
 const NONE: usize = usize::MAX / 1_000_000;
 
 #[test]
@@ -387,7 +387,7 @@ fn many_random_pairs_that_do_not_meet_pass_each_other() {
 }
 
 /// In a collision substep contact points move along lines. A body that turns by a hundredth of a radian while it flies
-/// 5 cm leaves them by half a millimetre, so a few that pass or graze at less are taken for the other.
+/// 5 cm leaves them by half a millimetre, so a few pairs that pass or graze at less are taken for the other.
 #[test]
 #[ignore = "minutes"]
 fn many_random_pairs_that_turn_and_do_not_meet_pass_each_other() {

@@ -66,7 +66,7 @@ fn other_plugins(_app: &mut App) {
     _app.add_plugins(bevy_faceoff::plugin::picking::ColliderPickingPlugin);
 }
 
-/// What a type derives and its registration does not say.
+/// What a type derives but its registration lacks.
 fn missing_data(declared: &declared::Declared, registration: &TypeRegistration) -> Vec<String> {
     let derives = |name: &str| declared.derives.contains(name);
     let wanted = [

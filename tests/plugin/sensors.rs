@@ -182,7 +182,7 @@ pub fn what_is_fast_and_flagged_is_noticed_by_a_sensor_and_not_stopped() {
             let after = sim.position(body).x;
             assert_near(sim.position(body), Vec3::X * (start + 30.0 * DT * step as f32), 1e-5);
             let Some(collision) = sim.collisions().get(gate, body) else {
-                // With what passed within a step there is no waiting.
+                // A pass within one step ends without waiting.
                 assert!(!passed || sim.ended.len() == ends + 1);
                 passed = false;
                 continue;

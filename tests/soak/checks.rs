@@ -25,7 +25,7 @@ pub struct Checks {
     on_device: usize,
     /// Seconds of each step, and whether it may be slow.
     times: Vec<(f32, bool)>,
-    /// Steps in which it may still be slow.
+    /// How many of the next steps may be slow.
     slow: usize,
     is_latent: bool,
     /// The number of the last step. No step runs while the clock is paused, and what was reported stays.
@@ -104,7 +104,7 @@ impl Checks {
         self.open_at_snapshot = self.open.clone();
     }
 
-    /// It was restored.
+    /// The snapshot was restored.
     pub fn restore(&mut self) {
         self.open = self.open_at_snapshot.keys().map(|&pair| (pair, None)).collect();
     }

@@ -9,8 +9,8 @@ mod xpbd {
     pub struct XpbdSolverPlugin;
 }
 
-/// Whether Avian was built with a solver for joints. It has no feature to ask for, but a name that is only there with
-/// it.
+/// Whether Avian was built with a solver for joints. A feature of Avian cannot be asked for, but a name exists only
+/// with it.
 fn are_solved() -> bool {
     // Avian's `xpbd`, if there is one, hides that of this file.
     let found = {

@@ -58,13 +58,13 @@ fn packed(feature: FeatureId) -> PackedFeatureId {
 /// A point of the last step.
 pub(crate) struct Carried<'a> {
     old: &'a ContactPoint,
-    /// Where it is now, if it has moved with the first collider, and its normal.
+    /// Place and normal of the point now, if it has moved with the first collider.
     point: Vector,
     normal: Vector,
 }
 
-/// The points of the last step, moved with the first collider from `last` to `now`. So the motion of a whole scene
-/// parts no point from where it was on its surface.
+/// The points of the last step, moved with the first collider from `last` to `now`. So points keep their places on the
+/// surface while a whole scene moves.
 pub(crate) fn carried<'a>(old: &'a [ContactManifold], last: &Pose, now: &Pose) -> Vec<Carried<'a>> {
     let carried = |normal: Vector, old: &'a ContactPoint| Carried {
         old,

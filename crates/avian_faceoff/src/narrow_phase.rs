@@ -108,14 +108,14 @@ impl AnyCollider for ExactNarrowPhase {
     }
 }
 
-/// At unit length, metres. By as much Avian enlarges the box of a collider that has moved, and pairs whose boxes do not
-/// meet have no contacts.
+/// The largest rest offset at unit length, metres. Avian enlarges the box of a collider that has moved by as much, and
+/// pairs whose boxes do not meet have no contacts.
 const MAX_REST_OFFSET: f32 = 0.05;
 
 /// Two exact meshes.
 struct Pair<'a> {
     meshes: [Placed<'a>; 2],
-    /// Where the first one is.
+    /// Pose of the first mesh.
     first: Pose,
     /// Diameter of the smaller bounding sphere, metres.
     diameter: f32,
@@ -154,7 +154,7 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// How far a contact point moves within a step at most, to be found again by its place, as a part of the diameter.
+/// How far a contact point may move within a step and be found again by its place, as a part of the diameter.
 const REACH: f32 = 0.05;
 
 /// The memory of a thread.

@@ -1,7 +1,7 @@
-//! Deep overlaps whose contact points disagree about where to.
+//! Deep overlaps whose contact points disagree about the direction out of them.
 //!
-//! Points with opposed normals push a pair against itself, and Avian's solver makes energy of that. So only those count
-//! that agree with one direction.
+//! Points with opposed normals push a pair against itself, and Avian's solver gains energy from that. So only points
+//! that agree with one direction count.
 
 use avian3d::math::{AdjustPrecision, Scalar, Vector};
 use avian3d::prelude::ContactManifold;
@@ -55,7 +55,7 @@ mod tests {
         points[0]
     }
 
-    /// The normals that remain of deep points with these, where `up` is from centre to centre.
+    /// The remaining normals of deep points with these normals; `up` points from centre to centre.
     fn remaining(normals: &[Vec3], up: Vector) -> Vec<Vec3> {
         let point = any();
         let deep = |&normal: &Vec3| MeshContact {

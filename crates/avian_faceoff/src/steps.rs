@@ -134,7 +134,7 @@ fn run_the_rest(world: &mut World) {
             world.run_schedule(PhysicsSchedule);
         }
         *world.resource_mut::<Time>() = outer;
-        // As after one step of the whole time.
+        // The clock is set as after one step of the whole time.
         let mut clock = world.resource_mut::<Time<Physics>>();
         let context = *clock.context();
         *clock = shared.clock;

@@ -58,7 +58,7 @@ fn exact(shapes: [&dyn Shape; 2]) -> Option<[&ExactMesh; 2]> {
     Some([a?, b?])
 }
 
-/// What parry knows of a shape.
+/// A shape that parry knows: of an exact mesh its surface.
 fn known(shape: &dyn Shape) -> &dyn Shape {
     match shape.as_shape::<ExactMesh>() {
         Some(exact) => exact.surface(),
@@ -71,7 +71,7 @@ fn place<'a>([a, b]: [&'a ExactMesh; 2], pos12: &Pose) -> Option<[Placed<'a>; 2]
     Some([a.placed(&Pose::IDENTITY)?, b.placed(pos12)?])
 }
 
-/// Has `use_points` use the reduced contact points, the deepest first.
+/// Calls `use_points` with the reduced contact points, the deepest first.
 fn with_points<R>(
     [a, b]: &[Placed; 2],
     prediction: Real,
@@ -238,7 +238,7 @@ impl QueryDispatcher for ExactDispatcher {
     }
 }
 
-/// The point as parry wants it: of each mesh in its own axes.
+/// The point in parry's form: on each mesh, in the mesh's own axes.
 fn in_own_axes(point: &MeshContact, back: DQuat) -> Contact {
     let turned = |v: DVec3| narrow(back * v);
     let normals = [to_parry(point.normal), turned(-point.normal.as_dvec3())];

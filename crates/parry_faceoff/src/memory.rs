@@ -4,13 +4,13 @@ use crate::parry::query::details::VoxelsShapeContactManifoldsWorkspace;
 use crate::parry::query::{ContactManifoldsWorkspace, TypedWorkspaceData, WorkspaceData};
 use bevy_faceoff::queries::PairMemory;
 
-/// The only kind that others can make.
+/// The only workspace of parry that other crates can make.
 type SavedAs = VoxelsShapeContactManifoldsWorkspace<2>;
 
 /// The memory of a pair of exact meshes. It saves work and changes no result.
 struct Memory {
     pair: PairMemory,
-    /// It is saved as this one of parry's, always an empty one: parry loads no workspace of another crate.
+    /// The memory is saved as this workspace of parry, always empty: parry loads no workspace of another crate.
     saved_as: SavedAs,
 }
 

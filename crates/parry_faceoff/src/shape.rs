@@ -10,7 +10,7 @@ use crate::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersec
 use crate::parry::shape::SubShapeId;
 use crate::parry::shape::{CompositeShape, FeatureId, Shape, ShapeType, TypedShape};
 
-/// What parry's composite shapes are beside that.
+/// parry's composite shapes. The version for rapier wants `Sync`.
 #[cfg(feature = "rapier")]
 type Composite<'a> = dyn CompositeShape + Sync + 'a;
 #[cfg(not(feature = "rapier"))]
@@ -33,7 +33,7 @@ impl Shape for ExactMesh {
         Some(Box::new(self.scaled(scale).ok()?))
     }
 
-    /// What the turned box and the bounding sphere have in common: the box of a turned mesh is loose.
+    /// The intersection of the turned box and the box of the bounding sphere: the box of a turned mesh is loose.
     fn compute_aabb(&self, position: &Pose) -> Aabb {
         let turned = self.surface().compute_aabb(position);
         let (center, radius) = self.bounding_sphere();
@@ -56,7 +56,7 @@ impl Shape for ExactMesh {
         ShapeType::Custom
     }
 
-    /// The surface: what draws, saves or sweeps shapes knows it.
+    /// The surface, which code that draws, saves or sweeps shapes knows.
     fn as_typed_shape(&self) -> TypedShape<'_> {
         self.surface().as_typed_shape()
     }

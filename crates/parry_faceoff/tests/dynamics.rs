@@ -28,8 +28,8 @@ fn sheet() -> ExactMesh {
     ExactMesh::new(vertices, faces.collect()).expect("a valid mesh")
 }
 
-/// How far a cube comes on the sheet that friction should stop after 10 m, and the error of its deceleration in the
-/// second second.
+/// How far a cube slides on the sheet, where friction should stop it after 10 m, and the error of its deceleration in
+/// the second second.
 fn slide(contacts: Contacts, turn: f32) -> (f32, f32) {
     const FRICTION: f32 = 0.2;
     let wanted = FRICTION * 9.81;

@@ -55,7 +55,7 @@ impl Document {
         // serde_json rejects documents nested deeper than 128 levels.
         let text = without_byte_order_mark(text);
         let root: Root = serde_json::from_slice(text).map_err(|error| {
-            // In glTF 1.0 other things have other types.
+            // Fields of glTF 1.0 have other types. Its version is the better error.
             let version = serde_json::from_slice(text)
                 .ok()
                 .and_then(|OtherRoot { asset }| asset.version());

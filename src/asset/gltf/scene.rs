@@ -34,7 +34,7 @@ pub(super) fn read_node(data: &Data, choice: &NameOrIndex) -> Result<TriMesh, Im
     soup.finish("the chosen node; does it contain only points, lines or curves?")
 }
 
-/// What the nodes and meshes of a document have that is not read, and that may change or place their shapes.
+/// Warns of what the nodes and meshes of a document have that is not read, and that may change or place their shapes.
 pub(super) fn warn_unread(root: &Root, warnings: &mut Vec<String>) {
     let with = |has: fn(&Node) -> bool| {
         root.nodes

@@ -143,7 +143,7 @@ fn sheet(mesh: &TriMesh, size: u32) -> Canvas {
     let (columns, rows) = (360 / STEP as u32, 180 / STEP as u32 + 1);
     let cell = [size + MARGIN, size + MARGIN + CHARACTER];
     let mut canvas = Canvas::new(MARGIN + columns * cell[0], MARGIN + rows * cell[1]);
-    // One scale for all images, so that they can be compared.
+    // All images have the same scale, so that they can be compared.
     let highest = 2.0
         * mesh
             .used_positions()
@@ -173,7 +173,7 @@ fn paint(canvas: &mut Canvas, left: u32, top: u32, picture: &HeightImage, colour
     }
 }
 
-/// A height from 0 to 1. What is flat is at its highest everywhere.
+/// A height from 0 to 1. A flat mesh is at its highest everywhere.
 fn share(height: f32, highest: f32) -> f32 {
     if highest > 0.0 { height / highest } else { 1.0 }
 }

@@ -42,7 +42,7 @@ struct Report {
     one_sided_triangles: usize,
     volume: f32,
     mass_is_approximate: bool,
-    /// The region whose mass this is.
+    /// What the mass was computed from.
     mass_basis: MassBasis,
     /// How far off the volume may be, relative to itself.
     mass_error: f32,
@@ -75,8 +75,8 @@ struct DefectLocation {
     face: Option<u32>,
 }
 
-/// The number of locations that are told of each kind of defect.
-const TOLD_LOCATIONS: usize = 5;
+/// The most places that are listed for each kind of defect.
+const TOLD_PLACES: usize = 5;
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {

@@ -63,7 +63,7 @@ fn ply_properties(bytes: &[u8]) -> Vec<String> {
                 let is_kept = match element.as_str() {
                     "vertex" => ["x", "y", "z"].contains(&name),
                     "face" | "tristrips" => ["vertex_indices", "vertex_index"].contains(&name),
-                    // The element is told.
+                    // The element is listed as a whole.
                     _ => true,
                 };
                 if !is_kept {

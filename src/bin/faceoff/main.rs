@@ -107,7 +107,7 @@ impl BackendChoice {
 /// The result of a command. An error is a message with the name of the file and what to do.
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
-/// A command line that cannot be meant, although it can be parsed. It has the exit code of those that cannot.
+/// A command line that can be parsed but makes no sense. Its exit code is that of one that cannot be parsed.
 #[derive(Debug)]
 struct Wrong(String);
 

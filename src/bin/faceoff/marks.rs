@@ -61,7 +61,7 @@ impl Marks {
     }
 
     /// Marks the defects on the picture, whose upper left corner is given. Marks on the near side hide those on the far
-    /// side, and those of rare kinds the others.
+    /// side, and marks of rare kinds hide others.
     pub fn paint(&self, canvas: &mut Canvas, [left, top]: [u32; 2]) {
         let mut kinds: Vec<&Kind> = self.kinds.iter().collect();
         kinds.sort_by_key(|of| std::cmp::Reverse(of.count()));

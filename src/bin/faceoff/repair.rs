@@ -56,7 +56,7 @@ pub struct Options {
     json: Option<PathBuf>,
 }
 
-/// The number of holes that were left of which the table tells.
+/// The most holes left open that the table lists.
 const LEFT: usize = 5;
 
 /// The formats that are written.
@@ -95,7 +95,7 @@ struct StepsReport {
 #[derive(Serialize)]
 struct State {
     vertices: usize,
-    /// The number of faces, including those of zero area.
+    /// All faces, also those of zero area.
     faces: usize,
     closed: bool,
     orientation: Orientation,
@@ -185,7 +185,7 @@ fn target(options: &Options) -> Outcome<PathBuf> {
     Ok(options.mesh.clone())
 }
 
-/// Tells what the files of a mesh have that its repaired shape has not.
+/// Warns of what the files of a mesh have that its repaired shape lacks.
 fn warn_lost(mesh: &Path) {
     for file in input_files(mesh) {
         let lost = lost(&file);

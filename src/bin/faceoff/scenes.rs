@@ -8,10 +8,10 @@ use bevy_faceoff::testing::scenes::{Body, Scene, Shape, chain, incline, pour, re
 use clap::ValueEnum;
 use std::collections::HashMap;
 
-/// From ring to ring, metres: a little less than what they hang apart.
+/// Distance of the centres of neighbouring rings, metres: a little less than at rest.
 const LINK: f32 = 0.75;
 
-/// From cube to cube of a stack, metres.
+/// Gap between the cubes of a stack, metres.
 const GAP: f32 = 0.02;
 
 /// Which scene.
@@ -81,7 +81,7 @@ impl SceneChoice {
     }
 }
 
-/// What of a scene pictures show.
+/// The part of a scene that pictures show.
 #[derive(Clone, Copy, Debug)]
 pub struct Framing {
     /// The box that is shown.

@@ -289,7 +289,7 @@ pub fn run(options: &Options) -> Outcome {
 }
 
 impl Options {
-    /// What is given must matter to the scene.
+    /// Checks that every option that is given has a meaning for the scene.
     fn check(&self) -> Outcome {
         let scene = self.scene;
         let idle = [

@@ -5,10 +5,10 @@ use crate::geometry::edges::is_collapsed;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// A surface is finely tessellated at a vertex if the normals of the faces around it are within this angle of its own,
-/// radians. That of a sphere of 32 by 16 quadrilaterals is, and that of a sphere of 720 equal triangles.
+/// radians. A sphere of 32 by 16 quadrilaterals is, and so is a sphere of 720 equal triangles.
 const FINE: f64 = 0.15;
 
-/// A rim is finely divided if it turns by no more than this at a vertex, radians: that of a cylinder of 32 sides is.
+/// A rim is finely divided if it turns by no more than this at a vertex, radians. The rim of a cylinder of 32 sides is.
 const FINE_RIM: f64 = 0.2;
 
 /// A direction in which the surface turns by less than this along the longest edge, radians, is flat.
@@ -24,18 +24,18 @@ pub enum Roundness {
     Corner,
     /// A finely tessellated surface.
     Surface {
-        /// The inverse of the curvature along the surface, mesh units: times a small change of the normal it is the way
-        /// to where the surface has that normal. A symmetric matrix: xx, xy, xz, yy, yz, zz. It is 0 along directions
-        /// in which the surface is flat or concave.
+        /// The inverse of the curvature along the surface, mesh units. Multiplied by a small change of the normal, it
+        /// gives the displacement to where the surface has that normal. A symmetric matrix: xx, xy, xz, yy, yz, zz. It
+        /// is 0 along directions in which the surface is flat or concave.
         radii: [f32; 6],
         /// Length of the longest edge, mesh units: the vertex stands for no more of the surface.
         reach: f32,
     },
     /// A finely divided curve at which two surfaces meet, as the rim of a cylinder.
     Rim {
-        /// Unit vector along it.
+        /// Unit vector along the rim.
         tangent: Vec3,
-        /// To its centre of curvature, with the length of its curvature, one over mesh units.
+        /// Vector to the centre of curvature, as long as the curvature, one over mesh units.
         curvature: Vec3,
         /// Length of the longer edge of the rim, mesh units.
         reach: f32,
@@ -77,7 +77,7 @@ impl MeshFeatures {
     pub(super) fn add_roundness(&mut self, creases: &[[u32; 2]]) {
         let count = self.vertices.len();
         let normals: Vec<DVec3> = (0..count as u32).map(|vertex| self.sphere_normal(vertex)).collect();
-        // The number of faces around each vertex, and the least cosine between their normals and its own.
+        // For each vertex: the number of faces around it, and the least cosine between their normals and its own.
         let mut faces = vec![(0, 1.0f64); count];
         let triangles = self.triangles.iter().zip(&self.normals);
         for (corners, own) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {

@@ -19,7 +19,7 @@ pub struct MassProperties {
     /// The thickness of the thinnest part, in mesh units: the diameter of the ball inside that touches the surface and
     /// the opposite surface. Up to 2 % of the surface may be thinner, so that sharp edges do not count.
     pub thickness: f32,
-    /// The region whose mass this is.
+    /// What the mass was computed from.
     pub basis: MassBasis,
     /// How far off the volume may be, relative to itself: what openings and the resolution of sampling leave uncertain.
     /// 0 for a closed mesh; 1 where the mass is not that of an enclosed volume.
@@ -29,7 +29,7 @@ pub struct MassProperties {
     pub approximate: bool,
 }
 
-/// The region whose mass a mesh has; see [`MassProperties::of`].
+/// What the mass of a mesh is computed from; see [`MassProperties::of`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum MassBasis {
     /// The volume that a closed mesh encloses.
@@ -52,12 +52,12 @@ const MIN_VOLUME: f64 = 1e-9;
 /// The minimum edge of the box that replaces a mesh without volume, relative to its longest edge.
 const MIN_EDGE: f64 = 0.01;
 
-/// The default thickness of the shell that an open mesh without an inside weighs, relative to the diagonal of its
-/// bounding box.
+/// The default thickness of the shell that gives an open mesh without an inside its mass, relative to the diagonal of
+/// its bounding box.
 pub const SHELL_THICKNESS: f32 = 0.01;
 
 impl MassProperties {
-    /// The mass properties by [`MassProperties::with_shell`] at [`SHELL_THICKNESS`].
+    /// Calls [`MassProperties::with_shell`] with [`SHELL_THICKNESS`].
     pub fn of(mesh: &TriMesh) -> Self {
         Self::with_shell(mesh, SHELL_THICKNESS)
     }
@@ -68,19 +68,18 @@ impl MassProperties {
     ///
     /// * A room ([`Orientation::Inward`]) gets the mass of a solid that fills it. Its walls have no outer surface and
     ///   so no mass of their own.
-    /// * An open mesh whose openings together take at most 40 % of its area, as does a box without a lid, gets that of
-    ///   the mesh with its openings closed, each by a cone. This is exact where an opening is flat. The error is that
-    ///   of a half ball over each opening.
-    /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the
-    ///   generalised winding number exceeds a half. They are found by sampling the bounding box; the error is half the
-    ///   volume of the samples at their border.
-    /// * If there are no such places, or if they reach out of the box through more than a tenth of its sides, as those
-    ///   below some terrains do, it gets the mass of a shell along its faces. `shell` is its thickness, relative to the
-    ///   diagonal of the bounding box.
-    /// * If faces are there twice, and the mesh is closed without them, they count once; this is exact. See
-    ///   [`TriMesh::caps`].
-    /// * A closed mesh that encloses almost no volume gets the mass of its solid bounding box. Each edge of that box
-    ///   counts as at least 1 % of the longest.
+    /// * An open mesh whose openings together take at most 40 % of its area, as does a box without a lid, gets the mass
+    ///   of the mesh with its openings closed, each by a cone. This is exact where an opening is flat. The error is
+    ///   that of a half ball over each opening.
+    /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the generalised
+    ///   winding number exceeds a half. They are found by sampling the bounding box; the error is half the volume of the samples
+    ///   at their border.
+    /// * If there are no such places, or if they reach out of the box through more than a tenth of its sides, as those below
+    ///   some terrains do, it gets the mass of a shell along its faces. `shell` is its thickness, relative to the diagonal of
+    ///   the bounding box.
+    /// * If faces are there twice, and the mesh is closed without them, they count once; this is exact. See [`TriMesh::caps`].
+    /// * A closed mesh that encloses almost no volume gets the mass of its solid bounding box. Each edge of that box counts as
+    ///   at least 1 % of the longest.
     /// * If the mesh is so large or small that values do not fit `f32`, they are clamped.
     ///
     /// The thickness of a mesh that is neither closed nor nearly so is the shortest edge of that box.
@@ -165,15 +164,15 @@ impl Solid {
     }
 }
 
-/// An open mesh is closed for its mass if its openings together take at most this part of its area. Those of a sheet
-/// take all of it, and that of a half ball a half.
+/// An open mesh is closed for its mass if its openings together take at most this part of its area. The openings of a
+/// sheet take all of it, the opening of a half ball takes a half.
 const MAX_SHARE: f64 = 0.4;
 
 /// The mass of an open mesh with its openings closed, and its relative error; `None` if they are too large, or if the
 /// winding is not consistent.
 ///
-/// Where an opening is flat, its cap lies where the generalised winding number is a half, so that this is the same as
-/// the integral over the places where it is larger. Those would have to be sampled, and samples miss what is thin.
+/// Where an opening is flat, the generalised winding number on its cap is a half. The result then equals the integral
+/// over the places where the number is larger. Those would have to be sampled, and samples miss what is thin.
 fn capped(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
     let closure = mesh.closure().filter(|closure| closure.share <= MAX_SHARE)?;
     let solid = integrate(mesh, &closure.caps, aabb)?;

@@ -7,12 +7,12 @@ use glam::{DMat3, DVec3};
 
 /// Samples along the longest edge of the bounding box at first.
 const SAMPLES: f64 = 8.0;
-/// Into how many parts along each axis samples at the border are split, at most.
+/// The most parts along each axis into which a sample at the border is split.
 const MAX_PARTS: u32 = 4;
 /// The number of triangles and nodes that samples at the border may look at, for each triangle of the mesh: about a
 /// tenth of a millisecond.
 const WORK: f64 = 3.0e3;
-/// The least and the most of it for a mesh: a millisecond, a tenth of a second.
+/// The least and the most of this work for a mesh: a millisecond, a tenth of a second.
 const WORK_OF_MESH: [f64; 2] = [4.0e4, 3.0e6];
 /// With a larger error there is no inside to speak of.
 const MAX_ERROR: f64 = 0.5;
@@ -25,7 +25,7 @@ const SURE: f64 = 0.75;
 /// A sample is at the border if its winding number is this close to a half.
 const NEAR: f64 = 0.25;
 
-/// The mass of an open mesh, of what it is, and its error; see [`MassProperties::with_shell`](super::MassProperties).
+/// The mass of an open mesh, its basis, and its error; see [`MassProperties::with_shell`](super::MassProperties).
 pub(super) fn solid(mesh: &TriMesh, aabb: Aabb, shell: f64) -> (Solid, MassBasis, f64) {
     if let Some((solid, error)) = inside(mesh, aabb) {
         return (solid, MassBasis::Winding, error);
@@ -167,12 +167,12 @@ fn reaches_out(grid: &Grid) -> bool {
     reached > MAX_REACH * all
 }
 
-/// Adds a sample in so many parts along each axis. `number` is its winding number; without it each part has its own.
+/// Adds a sample in `parts` parts along each axis. `number` is its winding number; without it each part has its own.
 fn add(grid: &Grid, at: [i32; 3], number: Option<f64>, parts: i32, middle: DVec3, sums: &mut Sums) {
     let corner = grid.low + grid.cell * DVec3::from_array(at.map(f64::from));
     let part = grid.cell / f64::from(parts);
     let volume = part.element_product();
-    // Where parts of this sample differ is a part of the border; what lies between samples is not looked for.
+    // A part that differs from one before it is at the border. Differences between samples are not looked for.
     let mut before: Vec<bool> = Vec::new();
     for [x, y, z] in indices([parts; 3]) {
         let p = corner + part * (DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + 0.5);

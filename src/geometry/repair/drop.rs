@@ -42,7 +42,7 @@ impl Surface {
         work.dropped_zero_area += self.drop_where(&is_dropped);
     }
 
-    /// Keeps one of the faces with the same corners, unless that opens the mesh: then two are kept, back to back.
+    /// Keeps one of several faces with the same corners, unless that opens the mesh: then keeps two, back to back.
     fn drop_duplicates(&mut self, work: &mut Work) {
         let welded = self.welded();
         let corners = self.welded_faces(&welded);

@@ -1,5 +1,4 @@
-//! Triangles that close a hole: of all triangulations of its boundary that with the smallest area, after Barequet &
-//! Sharir 1995.
+//! Triangles that close a hole: the triangulation of its boundary with the smallest area, after Barequet & Sharir 1995.
 //!
 //! It needs no plane, so it closes holes of curved surfaces, and it uses every vertex of the boundary, so that nothing
 //! is left open. For a boundary in a plane it is the polygon inside. Time grows with the third power of the number of
@@ -8,8 +7,8 @@
 use crate::geometry::mesh::is_degenerate;
 use glam::Vec3;
 
-/// The share of the squares of the edges' lengths that counts as area. It makes the triangulation with shorter edges
-/// the better one among those of the same area, such as those of a polygon in a plane.
+/// If triangulations have the same area, as those of a polygon in a plane do, the one with shorter edges is better:
+/// this fraction of the squares of the edges' lengths counts as area.
 const EDGE_COST: f64 = 1.0e-6;
 
 /// Triangulates a hole with the given boundary, and returns triangles as numbers of its vertices. `None` if there is no
@@ -34,7 +33,7 @@ pub(super) fn fill(
             if length == count - 1 || chord(i, j) {
                 for k in i + 1..j {
                     let parts = costs[i * count + k] + costs[k * count + j];
-                    // Costs are positive, so most corners are out before their triangle is looked at.
+                    // Costs are positive, so most corners are ruled out before their triangle is looked at.
                     if parts < best.0 {
                         let cost = parts + cost([i, k, j].map(|v| boundary[v]));
                         if cost < best.0 && triangle([i, k, j]) {

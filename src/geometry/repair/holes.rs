@@ -50,12 +50,13 @@ struct Rim {
     edges: Vec<[u32; 2]>,
     /// The edges that begin at each vertex.
     at: HashMap<u32, Vec<usize>>,
-    /// For each vertex at which several begin, the sum of the normals of its faces, as long as twice their area.
+    /// For each vertex at which several edges begin, the sum of its faces' normals, each as long as twice the face's
+    /// area.
     normals: HashMap<u32, DVec3>,
 }
 
-/// What already joins vertices of the boundary. Vertices of edges and faces are sorted.
-struct JoinedVertices {
+/// Edges and faces that join vertices of the boundary already. The vertices of each are sorted.
+struct Joined {
     edges: HashSet<[u32; 2]>,
     faces: HashSet<[u32; 3]>,
 }

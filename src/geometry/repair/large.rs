@@ -7,15 +7,14 @@ use std::collections::BinaryHeap;
 
 /// A hole of more edges is closed in steps.
 const LARGE: usize = 256;
-/// The outline has so many vertices at equal steps along the boundary, and as many at its corners.
+/// The outline has this many vertices at equal steps along the boundary, and as many at its corners.
 const OUTLINE: usize = 64;
 /// A piece of the boundary is straight if its vertices are no farther from the line between its ends than this,
 /// relative to the length of that line.
 const STRAIGHT: f64 = 1.0e-6;
 
-/// Triangulates a hole like [`fill`], for boundaries of any length, in nearly linear time. If there are more than
-/// [`LARGE`] edges, the area of the triangles is not the smallest: some lie over others where the boundary bends into
-/// the hole.
+/// Triangulates a boundary of any length as [`fill`] does, in nearly linear time. If there are more than [`LARGE`]
+/// edges, the area of the triangles is not the smallest: some lie over others where the boundary bends into the hole.
 pub(super) fn fill_any(
     boundary: &[Vec3],
     chord: &dyn Fn(usize, usize) -> bool,
@@ -31,7 +30,7 @@ pub(super) fn fill_any(
         &places,
         |i, j| chord(outline[i], outline[j]),
         |corners| {
-            // What splits an ear along straight pieces of the boundary joins the neighbours of its tip.
+            // Splitting an ear along straight pieces of the boundary joins the neighbours of its tip.
             let can_split = ear(corners, outline.len()).is_none_or(|tip| {
                 let (before, after) = ((outline[tip] + count - 1) % count, (outline[tip] + 1) % count);
                 chord(before.min(after), before.max(after))
@@ -100,7 +99,7 @@ fn ear([i, k, j]: [usize; 3], count: usize) -> Option<usize> {
 fn outline(boundary: &[Vec3]) -> Vec<usize> {
     let count = boundary.len();
     let mut outline: Vec<usize> = (0..OUTLINE).map(|k| k * count / OUTLINE).collect();
-    // Distances are not negative, so their bits are ordered as they are.
+    // Distances are not negative, so their bits are in the same order.
     let mut pieces: BinaryHeap<(u64, usize, usize, usize)> = BinaryHeap::new();
     let piece = |from: usize, to: usize| {
         let places: Vec<Vec3> = (from..=to).map(|i| boundary[i % count]).collect();

@@ -30,7 +30,8 @@ use super::{MeshError, TriMesh};
 use serde::Serialize;
 use surface::Surface;
 
-/// Rounds of steps that depend on each other. One or two do but for meshes with defects of all kinds everywhere.
+/// Rounds of steps that depend on each other. One or two are enough, except for meshes with defects of all kinds
+/// everywhere.
 const MAX_ROUNDS: usize = 4;
 
 /// What to repair. The steps run in the order of the fields. Faces are dropped again after a split, and oriented again
@@ -50,9 +51,9 @@ pub struct Steps {
     pub split: bool,
     /// Make the winding of each shell consistent, and turn solids outward; see [`TriMesh::oriented`].
     pub orient: bool,
-    /// Close holes of up to this many edges with triangles between their vertices; 0 closes none. Of holes of up to 256
-    /// edges the area of these is the smallest possible, so they do not lie over each other if the hole lies in a
-    /// plane; in larger ones some may, near edges where the boundary bends into the hole.
+    /// Close holes of up to this many edges with triangles between their vertices; 0 closes none. In holes of up to 256
+    /// edges the triangles have the smallest possible area, so they do not overlap if the hole lies in a plane. In
+    /// larger holes some may overlap, near edges where the boundary bends into the hole.
     pub close_holes: usize,
 }
 
@@ -143,7 +144,7 @@ pub fn repair(mesh: &TriMesh, steps: &Steps) -> Result<Repaired, MeshError> {
         surface.orient(&mut work)?;
     }
     for _ in 0..MAX_ROUNDS {
-        // Where faces agree since holes were closed, other edges may form loops.
+        // Closed holes may make faces agree. Other edges may then form loops.
         if steps.close_holes == 0 || surface.close_holes(steps.close_holes, &mut work) == 0 || !steps.orient {
             break;
         }

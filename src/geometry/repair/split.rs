@@ -10,8 +10,8 @@ use std::collections::HashMap;
 /// A split moves the two halves of an edge by the tolerance at most, so that vertices that were just too far may be
 /// near enough then. More rounds than this are never needed for exact T-junctions.
 const MAX_ROUNDS: usize = 8;
-/// A vertex within this of an edge lies on it, whatever the tolerance: rounding moves it by so much. Relative to the
-/// size.
+/// A vertex this close to an edge lies on it, whatever the tolerance, because rounding moves it as much. Relative to
+/// the diagonal of the mesh's bounding box.
 const ROUNDING: f64 = 1.0e-9;
 
 /// A vertex on an edge: the part of the edge before it, and its number.
@@ -108,8 +108,8 @@ impl Surface {
     }
 }
 
-/// Splits one side of a face at the vertices on it, given in the order in which the face runs along them. What became
-/// of the face so far are the faces from `start`; one of these has the whole side.
+/// Splits one side of a face at the vertices on it, given in the order in which the face runs along them. The faces
+/// from `start` on are the parts of the face so far; one of them has the whole side.
 pub(super) fn split_side(faces: &mut Vec<[u32; 3]>, start: usize, [from, to]: [u32; 2], between: &[u32]) {
     let sides = |face: &[u32; 3]| (0..3).find(|&k| face[k] == from && face[(k + 1) % 3] == to);
     let found = (start..faces.len()).find_map(|i| sides(&faces[i]).map(|k| (i, k)));

@@ -10,7 +10,7 @@ use glam::Vec3;
 pub(super) struct Surface {
     pub vertices: Vec<Vec3>,
     pub faces: Vec<[u32; 3]>,
-    /// Relative to the diagonal of the bounding box.
+    /// The weld tolerance, relative to the diagonal of the bounding box.
     pub tolerance: f32,
 }
 

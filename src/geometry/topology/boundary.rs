@@ -18,8 +18,8 @@ use std::f64::consts::PI;
 /// wall.
 pub const MAX_OPENING: f64 = 0.02;
 
-/// The largest area of all openings of a nearly closed mesh together, relative to the area of the mesh. Of faces that
-/// do not hang together, each is an opening of its own size.
+/// The largest area of all openings of a nearly closed mesh together, relative to the area of the mesh. A face that
+/// hangs together with no other is an opening of its own size.
 const MAX_OPENINGS: f64 = 0.2;
 
 /// What closes an open mesh.
@@ -37,7 +37,7 @@ pub struct Closure {
 pub(super) struct Boundary {
     /// Triangles that close the mesh, in cluster order.
     caps: Vec<[Vec3; 3]>,
-    /// The vertices of those of them that close T-junctions.
+    /// The vertices of the caps that close T-junctions.
     slivers: Vec<[u32; 3]>,
     /// The openings, in the order of their smallest vertex.
     pub openings: Vec<Opening>,
@@ -58,7 +58,7 @@ pub(super) struct Opening {
     pub area: f64,
 }
 
-/// Directed edges, each with the number of caps that have to run backward along it. What runs both ways cancels.
+/// Directed edges, each with the number of caps that have to run backward along it. Opposite edges cancel.
 #[derive(Default)]
 pub(super) struct Chain(BTreeMap<[u32; 2], i32>);
 
@@ -85,7 +85,8 @@ impl Boundary {
         self.openings.iter().map(|opening| opening.area).fold(0.0, f64::max)
     }
 
-    /// The caps of a nearly closed mesh of this area, and the vertices of those in T-junctions; none for other meshes.
+    /// The caps of a nearly closed mesh of this area, and the vertices of the caps in T-junctions; none for other
+    /// meshes.
     pub fn caps_if_nearly_closed(self, area: f64) -> (Vec<[Vec3; 3]>, Vec<[u32; 3]>) {
         let all: f64 = self.openings.iter().map(|opening| opening.area).sum();
         if self.disagrees || self.largest() > MAX_OPENING * area || all > MAX_OPENINGS * area {
@@ -174,7 +175,7 @@ struct Split {
     t_junctions: Vec<u32>,
     /// The vertices of the triangles that split the edges there.
     slivers: Vec<[u32; 3]>,
-    /// The slivers, wound so that they close the mesh.
+    /// The corners of these triangles, wound so that they close the mesh.
     caps: Vec<[Vec3; 3]>,
 }
 
@@ -221,7 +222,7 @@ fn split_at_vertices(edges: &[([u32; 2], i32)], place: &impl Fn(u32) -> Vec3, to
         on_edge.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut from = u;
         for (_, vertex) in on_edge {
-            // Runs backward along the rest of the edge, and forward along its two parts.
+            // The sliver runs backward along the rest of the edge, and forward along its two parts.
             split.slivers.push([v, from, vertex]);
             add_cap(&mut split.caps, [v, from, vertex].map(place), times);
             split.open.add([from, vertex], times);

@@ -117,7 +117,7 @@ impl Defects {
 }
 
 impl Faces<'_> {
-    /// The defects but for those that single faces tell of themselves: zero area, and turned.
+    /// All defects but those that are known of single faces: zero area, and turned.
     pub fn defects(&self, topology: &Topology) -> Defects {
         let mut defects = Defects::default();
         // Two faces on each other may be one surface.
@@ -138,7 +138,7 @@ impl Faces<'_> {
                 defects.add(DefectKind::Disagreement, ends, None);
             }
         }
-        // All faces crowd, also those that do not count.
+        // All faces crowd an edge, also those that do not count.
         let (all_edges, all_counts) = Faces { twins: &[], ..*self }.edges(welded);
         for (ends, count) in all_edges.ends.iter().zip(&all_counts) {
             if count.faces > 2 {

@@ -1,8 +1,8 @@
-//! Doubled faces: those with the corners of another one. Some programs write each face twice, once for each side, or
-//! export what was pasted over itself.
+//! Doubled faces have the corners of another face. Some programs write each face twice, once for each side, or export
+//! what was pasted over itself.
 //!
-//! They collide as they are. But what is closed without them is closed once: they count neither for what the mesh
-//! encloses nor for which way its faces point.
+//! Doubled faces collide as they are. But if the mesh is closed without them, they count neither for what it encloses
+//! nor for which way its faces point.
 
 use super::boundary::MAX_OPENING;
 use super::{Faces, Topology};
@@ -11,10 +11,10 @@ use glam::Vec3;
 use std::collections::HashMap;
 
 impl Faces<'_> {
-    /// Triangles with the same corners as an earlier one of the input, in any order, and that one; in the order of the
-    /// input.
+    /// Pairs of a triangle and the first one of the input with the same corners, in any order of corners. Pairs are in
+    /// the order of the input.
     pub fn doubled(&self, welded: &[u32]) -> Vec<[usize; 2]> {
-        // The first face with these corners, as it is numbered here and in the input.
+        // The first face with these corners in the input, by its number here.
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
         order.sort_unstable_by_key(|&t| self.face_ids[t]);
         let mut known: HashMap<[u32; 3], usize> = HashMap::with_capacity(order.len());
@@ -31,7 +31,7 @@ impl Faces<'_> {
     }
 
     /// The doubled faces of a mesh that is closed or nearly so without them, by their indices in the input; none of
-    /// another mesh. A sheet with two sides is one of those: without the second it encloses nothing.
+    /// another mesh, such as a sheet with two sides, which encloses nothing without the second.
     pub(super) fn find_twins(&self, topology: &Topology) -> Vec<[u32; 2]> {
         let welded = &topology.welded;
         let doubled = self.doubled(welded);
@@ -65,7 +65,7 @@ impl Faces<'_> {
         at.ok().map(|at| self.twins[at][1])
     }
 
-    /// The triangles that do not count, and those with which they do.
+    /// Pairs of a triangle that does not count and the one with which it does.
     pub fn twin_triangles(&self) -> Vec<[usize; 2]> {
         if self.twins.is_empty() {
             return Vec::new();
@@ -75,8 +75,7 @@ impl Faces<'_> {
         pairs.collect()
     }
 
-    /// The reverse of each triangle that does not count. Together with it the two are nothing, for every sum over the
-    /// surface.
+    /// The reverse of each triangle that does not count. The two cancel in every sum over the surface.
     pub fn reversed_twins(&self, welded: &[u32]) -> Vec<[Vec3; 3]> {
         let reversed = |[t, _]: [usize; 2]| {
             let [a, b, c] = self.placed(t, welded);
@@ -85,7 +84,7 @@ impl Faces<'_> {
         self.twin_triangles().into_iter().map(reversed).collect()
     }
 
-    /// Turns the triangles that do not count as those with which they do.
+    /// Turns each triangle that does not count, so that it is wound as the one with which it does.
     pub(super) fn turn_twins(&self, welded: &[u32], turn: &mut [bool]) {
         for [t, first] in self.twin_triangles() {
             let [own, other] = [t, first].map(|t| self.triangles[t].map(|v| welded[v as usize]));

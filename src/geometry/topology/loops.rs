@@ -6,8 +6,8 @@
 use super::boundary::Chain;
 use glam::{DVec3, Vec3};
 
-/// At a vertex where more edges than this begin, the next one is taken as it comes: to compare all for each that ends
-/// there would take time without bound.
+/// At a vertex where more edges than this begin, the next one is taken without comparing. To compare all for each edge
+/// that ends there would take time without bound.
 const MAX_BRANCHES: usize = 64;
 
 /// Not on the path.
@@ -16,8 +16,8 @@ const NONE: u32 = u32::MAX;
 /// The loops of a boundary, each as its directed edges. Every edge is in one loop. Edges at which a boundary ends, as
 /// that of faces that disagree may, are left as an open run.
 ///
-/// At a vertex of several loops, an edge is followed by the one that turns back most sharply. So a loop is as thin as
-/// there is one: both sides of a crack.
+/// At a vertex of several loops, an edge is followed by the one that turns back most sharply. So each loop is as thin
+/// as possible, such as the two sides of a crack.
 pub(super) fn loops(chain: &Chain, place: &impl Fn(u32) -> Vec3) -> Vec<Vec<[u32; 2]>> {
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for (edge, times) in chain.edges() {

@@ -26,7 +26,8 @@ pub enum Orientation {
     /// Closed and consistently wound, with negative enclosed volume. This is a room: its walls are solid, its inside is
     /// free.
     Inward,
-    /// Closed, but some neighbouring faces have opposite winding. A baked mesh is so only if no winding is consistent.
+    /// Closed, but some neighbouring faces have opposite winding. A baked mesh is mixed only if no winding is
+    /// consistent.
     Mixed,
     /// Not closed: some edge has an odd number of faces.
     Open,
@@ -63,8 +64,7 @@ pub struct Gaps {
     /// The smallest distance between two boundary vertices that no boundary edge joins, in mesh units; `None` if there
     /// is no such pair.
     pub nearest: Option<f64>,
-    /// The `nearest` distance relative to the diagonal of the mesh's bounding box: a larger weld tolerance joins the
-    /// two.
+    /// This distance relative to the diagonal of the mesh's bounding box: a larger weld tolerance joins the two.
     pub relative: Option<f64>,
 }
 
@@ -77,8 +77,8 @@ pub(super) struct Faces<'a> {
     /// Faces of zero area. They count as long as their corners differ: a sliver that fills a T-junction keeps a mesh
     /// closed.
     pub dropped: &'a [[u32; 3]],
-    /// Faces that do not count because another one has the same corners, ascending, and those others; by their indices
-    /// in the input.
+    /// Pairs of a face that does not count and the one with the same corners that does, ascending, by their indices in
+    /// the input.
     pub twins: &'a [[u32; 2]],
 }
 
@@ -112,12 +112,13 @@ impl Topology {
         Self { twins, ..topology }
     }
 
-    /// Whether faces may count once with others: where no edge has more than two of them, none do.
+    /// Whether faces may count once with others. None do if no edge has more than two faces.
     pub fn may_have_twins(&self) -> bool {
         self.is_crowded || !self.twins.is_empty()
     }
 
-    /// Whether it is one surface without a boundary whose faces agree. Then none is doubled or lies inside another.
+    /// Whether the mesh is one surface without a boundary whose faces agree. Then no face is doubled, and no surface
+    /// lies inside another.
     pub fn is_one_surface(&self) -> bool {
         self.is_manifold && self.twins.is_empty() && self.component_vertices.len() == 1
     }

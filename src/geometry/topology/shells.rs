@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 /// surface.
 const SAMPLES: usize = 5;
 
-/// An open shell has an inside if it encloses more than this part of what a ball of its area does, about its middle. A
-/// sheet encloses nearly nothing.
+/// An open shell has an inside if it encloses, about its middle, more than this part of the volume of a ball of its
+/// area. A sheet encloses nearly nothing.
 const HOLLOW: f64 = 0.1;
 
 /// Faces that hang together across edges of two faces each.
@@ -61,7 +61,7 @@ impl Faces<'_> {
             let parent = shell.parent.map(|parent| &shells[parent]);
             parent.is_some_and(|parent| parent.volume * shell.volume > 0.0)
         });
-        // The faces of a closed shell with a volume are not all of those that were dropped.
+        // A closed shell with a volume has a face that was not dropped.
         let first = |shell: &Shell| shell.faces.iter().find_map(|&face| self.triangles.get(face as usize));
         inside.filter_map(first).map(|corners| corners[0]).collect()
     }
@@ -199,7 +199,7 @@ impl Shells {
             return 0;
         }
         let count = faces.triangles.len();
-        // The faces of a shell that have an area.
+        // Faces of a shell that have an area.
         let triangles_of = |shell: &Shell| -> Vec<usize> {
             let own = shell.faces.iter().map(|&face| face as usize);
             own.filter(|&face| face < count).collect()
@@ -211,7 +211,7 @@ impl Shells {
         let boxes: Vec<Aabb> = closed.iter().map(|&shell| around(shell)).collect();
         let middles: Vec<Vec3> = boxes.iter().map(|b| b.center()).collect();
         let tree = BoxTree::of_scattered(&middles, |i| boxes[i]);
-        // The surfaces of shells around whose boxes there are others, as far as they are asked.
+        // The surfaces of shells that were asked, made when first asked.
         let mut surfaces: BTreeMap<usize, Surface> = BTreeMap::new();
         let mut asked = 0;
         for &own in &closed {

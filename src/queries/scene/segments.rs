@@ -41,7 +41,7 @@ impl Scene {
                 first.add(hit.distance, number, hit);
             }
         }
-        // Who is deepest counts, so everything that overlaps is looked at.
+        // The deepest surface counts, so everything that overlaps is looked at.
         let most = |first: &First<_>| first.most(max_distance).max(0.0);
         let segment = WorldBox::between([p.min(q), p.max(q)]);
         self.meshes_around(segment, most(&first), &filter, &mut |number, mesh| {

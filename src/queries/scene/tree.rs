@@ -29,7 +29,7 @@ pub(super) struct Tree {
     spread: Spread,
 }
 
-/// How large the boxes above those of the lowest level are. Those of the lowest level do not depend on the order.
+/// How large the boxes of the levels above the lowest are. The boxes of the lowest level do not depend on the order.
 #[derive(Clone, Copy, Default)]
 struct Spread {
     /// Mean half diagonal, metres.
@@ -38,9 +38,10 @@ struct Spread {
     all: f32,
 }
 
-/// The order is found anew if boxes have grown by more than this since, or have shrunk less than the tree by as much.
+/// The order is found anew if the mean box has grown by more than this factor since, or by as much relative to the
+/// tree.
 const MAX_SPREAD: f32 = 1.3;
-/// What is asked for counts as no farther away than so many times the size of the tree.
+/// Queries count as no farther away than this many times the size of the tree.
 const FAR: f64 = 1000.0;
 
 impl WorldBox {
@@ -126,7 +127,8 @@ impl Tree {
         if self.order.is_empty() {
             return;
         }
-        // From the sphere around the tree on, so that single precision is enough, however far away it starts.
+        // The search begins at the sphere around the tree, so that single precision is enough, however far away the box
+        // starts.
         let to_origin = self.origin - start.center;
         let middle = to_origin.dot(way);
         let radius = (self.radius + start.half.length()) * (1.0 + 1.0e-6);

@@ -13,7 +13,7 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{Orientation, TriMesh};
 use std::sync::Arc;
 
-/// Colliders of meshes: of one mesh they share their shape.
+/// The collider of each mesh. Entities with the same mesh share its shape.
 #[derive(Resource, Default)]
 pub(super) struct Shapes(HashMap<AssetId<CollisionMesh>, Collider>);
 
@@ -31,7 +31,7 @@ impl MadeFromMesh {
 #[derive(Component)]
 pub(super) struct Settled(AssetId<CollisionMesh>);
 
-/// An exact collider, and what of it there is.
+/// An exact collider, with those of its components that exist.
 #[derive(QueryData)]
 pub(super) struct Parts {
     entity: Entity,
@@ -57,7 +57,7 @@ pub(super) fn on_insert(
     }
 }
 
-/// Gives colliders to those whose mesh has been loaded, and new ones where it was loaded again.
+/// Gives colliders to entities whose mesh has been loaded, and new ones if it was loaded again.
 pub(super) fn follow_assets(
     mut events: MessageReader<AssetEvent<CollisionMesh>>,
     colliders: Query<Parts>,
@@ -109,7 +109,7 @@ pub(super) fn tell_failures(
 }
 
 impl Shapes {
-    /// Makes the collider of the mesh, or checks the one that is not made of one.
+    /// Makes the collider of the mesh, or checks a collider that was not made of it.
     fn settle(&mut self, parts: &PartsItem, mesh: &CollisionMesh, commands: &mut Commands) {
         let (entity, id) = (parts.entity, parts.exact.0.id());
         let mut commands = commands.entity(entity);
@@ -152,7 +152,7 @@ fn collider(mesh: &CollisionMesh) -> Result<Collider, TriMeshBuilderError> {
     Collider::try_trimesh_with_config(vertices, mesh.mesh.triangles().to_vec(), flags)
 }
 
-/// Whether nothing comes from behind its faces.
+/// Whether nothing can come from behind the faces of the mesh.
 fn is_one_sided(mesh: &TriMesh) -> bool {
     (mesh.is_solid() || mesh.is_room()) && mesh.orientation() != Orientation::Mixed
 }

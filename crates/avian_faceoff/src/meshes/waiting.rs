@@ -61,7 +61,7 @@ fn on_place(
     }
 }
 
-/// Nobody waits for a collider that is there, or need not come.
+/// Ends the wait for a collider that has its mesh, or needs none.
 fn on_settled<E: EntityEvent, C: Component>(
     settled: On<E, C>,
     awaited: Query<(), With<AwaitedBy>>,
@@ -83,7 +83,7 @@ fn on_wait(waits: On<Add, AwaitsMeshes>, disabled: Query<(), With<RigidBodyDisab
     }
 }
 
-/// What the game has disabled stays so.
+/// A body that the game disables stays disabled.
 fn on_disable(
     disabled: On<Insert, RigidBodyDisabled>,
     waiting: Query<(), With<DisabledByWaiting>>,
@@ -94,8 +94,8 @@ fn on_disable(
     }
 }
 
-/// Avian makes the solver's body of a new body after that was disabled here, if its observer of the new body ran first.
-/// It counts on it that a disabled body has none.
+/// If Avian's observer of a new body runs first, Avian makes the solver's body after the body was disabled here. Avian
+/// counts on a disabled body having none.
 fn on_solver_body(made: On<Add, SolverBody>, waiting: Query<(), With<DisabledByWaiting>>, mut commands: Commands) {
     if waiting.contains(made.entity) {
         commands
@@ -113,7 +113,7 @@ fn on_ready(ready: On<Remove, AwaitsMeshes>, waiting: Query<(), With<DisabledByW
     }
 }
 
-/// Has the colliders of an enabled body in pairs again. Avian's observer looks too early, when the body still is
+/// Puts the colliders of an enabled body in pairs again. Avian's observer looks too early, when the body is still
 /// disabled.
 fn have_pairs(
     In(body): In<Entity>,

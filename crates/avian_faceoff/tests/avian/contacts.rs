@@ -54,7 +54,7 @@ fn points_are_those_of_the_core() {
     let points = world.points();
     let mut found: Vec<f64> = points.iter().map(|p| double(p.penetration)).collect();
     found.sort_by(|a, b| b.total_cmp(a));
-    // Avian drops those that do not close in.
+    // Avian drops points that do not close in.
     assert!(
         found.len() > 4 && found.len() <= wanted.len(),
         "{found:?} of {wanted:?}"

@@ -152,7 +152,7 @@ impl World {
         self.get::<LinearVelocity>(entity).f32()
     }
 
-    /// Kinetic energy of all bodies, J. What they turn with counts too.
+    /// Kinetic energy of all bodies, J, rotation included.
     pub fn kinetic_energy(&self) -> f64 {
         let energy = |&entity: &Entity| {
             let [v, w] = [self.velocity(entity), self.get::<AngularVelocity>(entity).f32()].map(|v| v.as_dvec3());

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 pub struct Claim(PathBuf);
 
 impl Claim {
-    /// Claims a target; `None` if another process has. Where no file can be made, nobody shares: the claim holds.
+    /// Claims a target; `None` if another process has claimed it. Where no file can be made, nothing is shared, and the
+    /// claim holds.
     pub fn take(target: &Path) -> Option<Self> {
         let path = path(target);
         match OpenOptions::new().write(true).create_new(true).open(&path) {

@@ -117,9 +117,9 @@ struct Running {
 /// The entries that are not done.
 struct Queue<'a> {
     entries: &'a [Entry],
-    /// The entries that have not been started.
+    /// Entries that have not been started.
     fresh: Range<usize>,
-    /// The entries that were left to other processes.
+    /// Entries that were left to other processes.
     left: VecDeque<usize>,
 }
 

@@ -80,7 +80,7 @@ enum InwardChoice {
 }
 
 impl Options {
-    /// The settings of a bake: what the options leave open, the mesh's own settings decide.
+    /// The settings of a bake: the options, and the mesh's own settings where the options are left out.
     fn settings(&self, own: BakeSettings) -> BakeSettings {
         BakeSettings {
             faces: self.faces || own.faces,
@@ -100,7 +100,7 @@ impl Options {
 /// Runs the command. It tries all meshes, and fails if any of them failed.
 pub fn run(options: &Options) -> Outcome {
     let start = Instant::now();
-    // The settings for what a recipe leaves open.
+    // The settings of a mesh without a recipe.
     let settings = options.settings(BakeSettings::default());
     settings.validate().map_err(|error| Wrong(error.to_string()))?;
     output::folder(&options.output)?;

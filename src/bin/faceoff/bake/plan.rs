@@ -134,8 +134,8 @@ fn is_recipe(path: &Path) -> bool {
     path.to_string_lossy().to_ascii_lowercase().ends_with(".bake.ron")
 }
 
-impl MeshFile {
-    /// A recipe that cannot be read is told when it is baked, or when its mesh clashes with it.
+impl Found {
+    /// A recipe that cannot be read is reported when it is baked, or when its mesh clashes with it.
     fn new(source: PathBuf, relative: PathBuf, is_scanned: bool) -> Self {
         let read = |path: &Path| {
             fs::metadata(path)

@@ -97,9 +97,9 @@ struct Totals {
     baked: usize,
     up_to_date: usize,
     failed: usize,
-    /// The triangles of the meshes that did not fail.
+    /// Triangles of the meshes that did not fail.
     triangles: u64,
-    /// The size of the baked files.
+    /// Size of the baked files.
     bytes: u64,
     /// The time of the whole run. Meshes are baked side by side, so theirs may add up to more.
     seconds: f64,

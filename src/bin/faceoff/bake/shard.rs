@@ -60,7 +60,7 @@ fn usage() -> String {
     "give I/N, such as 1/4, or auto or auto/N in an array of Slurm or an indexed job of Kubernetes".into()
 }
 
-/// The shard of this task of an array. It is never found unasked: an array may as well bake a library per task.
+/// The shard of this task of an array. It is used only if asked for: an array may as well bake a library per task.
 fn automatic(count: Option<NonZeroU64>) -> Result<Shard, String> {
     match (number(SLURM_ID)?, number(KUBERNETES_INDEX)?) {
         (Some(_), Some(_)) => Err(format!("both {SLURM_ID} and {KUBERNETES_INDEX} are set: give I/N")),

@@ -24,7 +24,7 @@ pub fn growth(plan: &Plan, report: &mut Report) -> Outcome {
         &["bodies", "step_ms", "us_per_body", "peak_megabytes", "bytes_per_body"],
     );
     let (mut time, mut memory) = (Vec::new(), Vec::new());
-    // What a process needs for one body is the app's, not the bodies'.
+    // The memory of a process with one body is the app's, not the bodies'.
     let fixed = run(plan, 1)?.peak_bytes;
     for &bodies in plan.growth {
         let run = run(plan, bodies)?;
