@@ -174,8 +174,8 @@ impl TriMesh {
     ///   that. In a sheet the part with the smaller area is turned.
     /// * A closed shell outside all others that points inward is turned, and what lies inside it with it. But if all
     ///   such shells point inward in the input, the mesh is a room, and none is turned.
-    /// * A shell inside another stays as it is: wound oppositely it is a cavity, wound alike a solid inside a solid; see
-    ///   [`DefectKind::SolidInSolid`].
+    /// * A shell inside another stays as it is: wound oppositely it is a cavity, wound alike a solid inside a solid;
+    ///   see [`DefectKind::SolidInSolid`].
     /// * A shell that has no consistent winding, like a Möbius strip, stays as it is.
     pub fn oriented(self) -> Self {
         // One closed surface is a solid or a room as it is.

@@ -33,8 +33,8 @@ impl OneSided {
     ///   nearly that of a solid's surface. A loose sheet in a solid stays two-sided. All faces of a piece of surface
     ///   without a border are one-sided. In a large mesh only some numbers are computed, at least one for each piece of
     ///   surface as long as there is time; other triangles are like the nearest of them in the piece.
-    /// * All others are two-sided. The winding number alone would not do: at the bottom of a box without a lid it is within a
-    ///   tenth of that of a solid, and a ball in the box would be pushed out through the bottom.
+    /// * All others are two-sided. The winding number alone would not do: at the bottom of a box without a lid it is
+    ///   within a tenth of that of a solid, and a ball in the box would be pushed out through the bottom.
     pub fn of(mesh: &TriMesh) -> Self {
         match mesh.orientation() {
             Orientation::Outward | Orientation::Inward => return Self::All,

@@ -75,8 +75,8 @@ struct DefectLocation {
     face: Option<u32>,
 }
 
-/// The most places that are listed for each kind of defect.
-const TOLD_PLACES: usize = 5;
+/// The most locations that are listed for each kind of defect.
+const TOLD_LOCATIONS: usize = 5;
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {

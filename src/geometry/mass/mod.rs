@@ -71,15 +71,16 @@ impl MassProperties {
     /// * An open mesh whose openings together take at most 40 % of its area, as does a box without a lid, gets the mass
     ///   of the mesh with its openings closed, each by a cone. This is exact where an opening is flat. The error is
     ///   that of a half ball over each opening.
-    /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the generalised
-    ///   winding number exceeds a half. They are found by sampling the bounding box; the error is half the volume of the samples
-    ///   at their border.
-    /// * If there are no such places, or if they reach out of the box through more than a tenth of its sides, as those below
-    ///   some terrains do, it gets the mass of a shell along its faces. `shell` is its thickness, relative to the diagonal of
-    ///   the bounding box.
-    /// * If faces are there twice, and the mesh is closed without them, they count once; this is exact. See [`TriMesh::caps`].
-    /// * A closed mesh that encloses almost no volume gets the mass of its solid bounding box. Each edge of that box counts as
-    ///   at least 1 % of the longest.
+    /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the
+    ///   generalised winding number exceeds a half. They are found by sampling the bounding box; the error is half the
+    ///   volume of the samples at their border.
+    /// * If there are no such places, or if they reach out of the box through more than a tenth of its sides, as those
+    ///   below some terrains do, it gets the mass of a shell along its faces. `shell` is its thickness, relative to the
+    ///   diagonal of the bounding box.
+    /// * If faces are there twice, and the mesh is closed without them, they count once; this is exact. See
+    ///   [`TriMesh::caps`].
+    /// * A closed mesh that encloses almost no volume gets the mass of its solid bounding box. Each edge of that box
+    ///   counts as at least 1 % of the longest.
     /// * If the mesh is so large or small that values do not fit `f32`, they are clamped.
     ///
     /// The thickness of a mesh that is neither closed nor nearly so is the shortest edge of that box.

@@ -56,7 +56,7 @@ struct Rim {
 }
 
 /// Edges and faces that join vertices of the boundary already. The vertices of each are sorted.
-struct Joined {
+struct JoinedVertices {
     edges: HashSet<[u32; 2]>,
     faces: HashSet<[u32; 3]>,
 }

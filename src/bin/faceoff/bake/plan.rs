@@ -134,7 +134,7 @@ fn is_recipe(path: &Path) -> bool {
     path.to_string_lossy().to_ascii_lowercase().ends_with(".bake.ron")
 }
 
-impl Found {
+impl MeshFile {
     /// A recipe that cannot be read is reported when it is baked, or when its mesh clashes with it.
     fn new(source: PathBuf, relative: PathBuf, is_scanned: bool) -> Self {
         let read = |path: &Path| {
