@@ -81,7 +81,7 @@ impl Level {
     }
 
     /// Runs so many steps, and returns how many colliders the last one has read or, because they are dormant, left out.
-    /// Those that something has roused are not read either.
+    /// Bodies that something has roused are not read either.
     fn step(&mut self, count: usize) -> usize {
         for _ in 0..count {
             if self.reads_all {
