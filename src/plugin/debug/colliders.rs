@@ -57,7 +57,7 @@ fn color_of(
 
 /// Centre and half size of the box of a collider in the tree of spatial queries.
 fn box_of(collider: &PlacedCollider) -> Option<[Vec3; 2]> {
-    let (pose, scale) = (collider.placed.place, collider.placed.scale);
+    let (pose, scale) = (collider.placed.pose, collider.placed.scale);
     let placed = Placed::new(collider.mesh, pose.translation, pose.rotation, scale).ok()?;
     Some(placed.outer_box().map(|corner| corner.as_vec3()))
 }
@@ -70,7 +70,7 @@ pub(super) fn draw_faces(mut gizmos: Drawn, lit: Query<(Entity, &ShowFacesToward
         let (Some(own), Some(other)) = (poses.collider(entity), poses.collider(towards.0)) else {
             continue;
         };
-        let (pose, scale) = (own.placed.place, own.placed.scale);
+        let (pose, scale) = (own.placed.pose, own.placed.scale);
         let pose = Transform {
             translation: pose.translation.as_vec3(),
             rotation: pose.rotation.as_quat(),

@@ -149,5 +149,5 @@ impl WorldPoses<'_, '_> {
 
 /// The transformation to where a mesh is placed, without shear.
 fn to_world_of(placed: &Placed) -> DAffine3 {
-    DAffine3::from_scale_rotation_translation(placed.scale.as_dvec3(), placed.place.rotation, placed.place.translation)
+    DAffine3::from_scale_rotation_translation(placed.scale.as_dvec3(), placed.pose.rotation, placed.pose.translation)
 }
