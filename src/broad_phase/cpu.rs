@@ -106,8 +106,7 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     if !bodies.dormant.filled.is(*in_dormant_grid) {
         *in_dormant_grid = bodies.dormant.filled;
         members.clear();
-        let flagged = (0..).zip(&bodies.dormant.flags).filter(|(_, flag)| **flag);
-        members.extend(flagged.map(|(i, _)| i));
+        members.extend(bodies.dormant.members());
         fill_still(dormant_grid, members, bodies);
     }
 

@@ -22,4 +22,10 @@ impl DormantSet {
     pub fn has(&self, i: usize) -> bool {
         self.count > 0 && self.flags.get(i) == Some(&true)
     }
+
+    /// The dormant colliders, ascending.
+    pub fn members(&self) -> impl Iterator<Item = u32> + '_ {
+        let flagged = (0..).zip(&self.flags).filter(|(_, flag)| **flag);
+        flagged.map(|(i, _)| i)
+    }
 }

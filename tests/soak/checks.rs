@@ -1,5 +1,6 @@
 //! What must be true after every step.
 
+use crate::app::place;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use bevy_faceoff::prelude::*;
@@ -162,8 +163,10 @@ impl Checks {
         }
         for start in world.resource_mut::<Messages<CollisionStart>>().drain() {
             let pair = [start.collider1, start.collider2];
-            let [first, second] = pair.map(order_of_spawning);
-            assert!(first < second, "step {number}: {pair:?} is not in order");
+            assert!(
+                place(&pair[0]) < place(&pair[1]),
+                "step {number}: {pair:?} is not in order"
+            );
             assert!(
                 self.open.insert(pair, None).is_none(),
                 "step {number}: {pair:?} started twice"
@@ -228,10 +231,4 @@ fn resident() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     Some(1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()?)
-}
-
-/// Ascending for entities in the order of their spawning, in a world where none has died. For others it is the order of
-/// collisions all the same.
-fn order_of_spawning(entity: Entity) -> u64 {
-    entity.to_bits() ^ u64::from(u32::MAX)
 }

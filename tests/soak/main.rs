@@ -4,6 +4,8 @@
 //! 1,000 bodies on the CPU, and 10,000 steps of 300 bodies on a device. `FACEOFF_SOAK_SEED`, `FACEOFF_SOAK_STEPS`,
 //! `FACEOFF_SOAK_BODIES` and `FACEOFF_SOAK_EVERY` (steps between changes) choose other numbers.
 
+#[path = "../common/app.rs"]
+mod app;
 mod checks;
 mod soak;
 

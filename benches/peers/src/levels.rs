@@ -150,18 +150,7 @@ pub fn compare() {
         ));
     }
     machine.finish();
-    let versions: Vec<String> = versions()
-        .iter()
-        .map(|(name, version)| format!("{name} {version}"))
-        .collect();
-    println!(
-        "{}; {}, {} cores, load {} before and {} after; {THREADS} threads for each engine; ms a step, median\n",
-        versions.join(", "),
-        machine.cpu,
-        machine.cores,
-        machine.load[0],
-        machine.load[1],
-    );
+    println!("{}; ms a step, median\n", machine.heading(versions().iter()));
     println!("| level | ours, meshes | rapier3d, cuboids | avian3d, cuboids |\n|---|---|---|---|");
     rows.iter().for_each(|row| println!("{row}"));
 }

@@ -57,6 +57,18 @@ impl Machine {
     pub fn finish(&mut self) {
         self.load[1] = load();
     }
+
+    /// A line about these libraries on this machine.
+    pub fn heading<'a>(&self, versions: impl Iterator<Item = &'a (&'static str, String)>) -> String {
+        let versions: Vec<String> = versions.map(|(name, version)| format!("{name} {version}")).collect();
+        let [before, after] = &self.load;
+        format!(
+            "{}; {}, {} cores, load {before} before and {after} after; {THREADS} threads for each engine",
+            versions.join(", "),
+            self.cpu,
+            self.cores
+        )
+    }
 }
 
 fn load() -> String {

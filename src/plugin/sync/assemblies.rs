@@ -347,22 +347,15 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asset::CollisionMesh;
-    use crate::geometry::shapes;
-    use crate::plugin::FaceoffHeadlessPlugins;
-    use crate::plugin::components::{ColliderDisabled, MeshCollider};
+    use crate::plugin::components::ColliderDisabled;
+    use crate::plugin::sync::app_with_cube;
     use crate::plugin::sync::collect::collect;
 
     /// A body without a number counts as leaving the step, and with late results the step waits for it.
     #[test]
     fn a_body_in_the_step_has_a_number_whatever_its_kind_and_colliders() {
-        let mut app = App::new();
-        app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
-        app.finish();
-        app.cleanup();
+        let (mut app, cube) = app_with_cube();
         let world = app.world_mut();
-        let mut meshes = world.resource_mut::<Assets<CollisionMesh>>();
-        let cube = MeshCollider(meshes.add(CollisionMesh::new(&shapes::cube(1.0))));
         let kinds = [RigidBody::Dynamic, RigidBody::Kinematic, RigidBody::Static];
         for (place, kind) in (0..).zip(kinds) {
             let at = Transform::from_xyz(5.0 * place as f32, 0.0, 0.0);

@@ -102,8 +102,8 @@ impl Kept {
         self.dormant.clear();
         self.dormant_name = set.name;
         if self.layout.is(bodies.layout) {
-            let flagged = (0..).zip(&set.flags).filter(|(_, flag)| **flag);
-            flagged.for_each(|(i, _)| self.dormant.insert(self.all_rows.bodies[i]));
+            let owners = &self.all_rows.bodies;
+            set.members().for_each(|i| self.dormant.insert(owners[i as usize]));
         }
         let dormant = &self.dormant;
         self.awake.clear();
@@ -129,14 +129,13 @@ impl Kept {
         }
     }
 
-    /// Removes bodies that are no more, and that a step would have read.
+    /// Removes bodies that no longer exist, ascending, and that a step would have read.
     pub fn remove_movers(&mut self, gone: &[Entity]) {
+        if gone.is_empty() {
+            return;
+        }
         for list in [&mut self.movers, &mut self.awake] {
-            for entity in gone {
-                if let Ok(at) = list.binary_search(entity) {
-                    list.remove(at);
-                }
-            }
+            list.retain(|entity| gone.binary_search(entity).is_err());
         }
     }
 
@@ -274,23 +273,16 @@ impl Kept {
 
 #[cfg(test)]
 mod tests {
-    use crate::asset::CollisionMesh;
-    use crate::geometry::shapes;
-    use crate::plugin::components::{MeshCollider, PlaneCollider};
-    use crate::plugin::sync::Step;
-    use crate::plugin::{FaceoffHeadlessPlugins, FaceoffStep};
+    use crate::plugin::FaceoffStep;
+    use crate::plugin::components::PlaneCollider;
+    use crate::plugin::sync::{Step, app_with_cube};
     use crate::types::body::RigidBody;
     use bevy::prelude::*;
 
     #[test]
     fn what_comes_and_goes_beside_dormant_bodies_leaves_nothing_behind() {
-        let mut app = App::new();
-        app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
-        app.finish();
-        app.cleanup();
+        let (mut app, cube) = app_with_cube();
         let world = app.world_mut();
-        let mut meshes = world.resource_mut::<Assets<CollisionMesh>>();
-        let cube = MeshCollider(meshes.add(CollisionMesh::new(&shapes::cube(1.0))));
         world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
         for i in 0..80 {
             let place = Transform::from_xyz(3.0 * i as f32, 0.51, 0.0);

@@ -446,3 +446,15 @@ impl Step {
         self.results = None;
     }
 }
+
+/// An app that is ready for its first step, and a cube with edges of 1 m.
+#[cfg(test)]
+fn app_with_cube() -> (App, crate::plugin::components::MeshCollider) {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, crate::plugin::FaceoffHeadlessPlugins::default()));
+    app.finish();
+    app.cleanup();
+    let cube = CollisionMesh::new(&crate::geometry::shapes::cube(1.0));
+    let cube = app.world_mut().resource_mut::<Assets<CollisionMesh>>().add(cube);
+    (app, crate::plugin::components::MeshCollider(cube))
+}

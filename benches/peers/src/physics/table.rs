@@ -2,7 +2,6 @@
 
 use super::world::Engine;
 use super::{Case, Outcome};
-use crate::engine::THREADS;
 use crate::report::Machine;
 
 /// Prints a row for each case.
@@ -19,19 +18,9 @@ pub fn print(
         }
     }
     let library = |name: &str| name == "bevy_faceoff" || columns.iter().any(|column| column.starts_with(name));
-    let versions: Vec<String> = versions
-        .iter()
-        .filter(|(name, _)| library(name) || *name == "parry3d" && library("rapier3d"))
-        .map(|(name, version)| format!("{name} {version}"))
-        .collect();
-    println!(
-        "{}; {}, {} cores, load {} before and {} after; {THREADS} threads for each engine; steps of 1/64 s, ms are means\n",
-        versions.join(", "),
-        machine.cpu,
-        machine.cores,
-        machine.load[0],
-        machine.load[1],
-    );
+    let compared = |(name, _): &&(&'static str, String)| library(name) || *name == "parry3d" && library("rapier3d");
+    let heading = machine.heading(versions.iter().filter(compared));
+    println!("{heading}; steps of 1/64 s, ms are means\n");
     println!("| case | measured | {} | ms a step |", columns.join(" | ms a step | "));
     println!("|---|---|{}", "---|---|".repeat(columns.len()));
     for (case, outcomes) in rows {
