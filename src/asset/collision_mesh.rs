@@ -37,10 +37,11 @@ pub struct BakedMesh {
     pub one_sided: OneSided,
     /// Volume, centre of mass, inertia, thickness.
     pub mass: MassProperties,
-    /// Radius of the bounding sphere about the centre of mass, in mesh units. It is rounded up, so that no vertex is
-    /// outside.
+    /// Radius of the bounding sphere about the centre of mass, in mesh units, with the rounding. It is rounded up, so
+    /// that nothing is outside.
     pub radius: f32,
-    /// Support heights relative to the centre of mass: upper bounds on the extent in each direction.
+    /// Support heights relative to the centre of mass, without the rounding: upper bounds on the extent in each
+    /// direction.
     pub heights: SupportHeights,
     /// The faces of collision, if the settings ask for them. Indices are triangles of `mesh`.
     pub faces: Option<FaceTable>,
@@ -164,7 +165,10 @@ impl CollisionMesh {
         if settings == self.settings {
             return Ok(self.clone());
         }
-        let of_mesh = |settings: &BakeSettings| (settings.weld_tolerance, settings.inward, settings.shell_thickness);
+        let of_mesh = |settings: &BakeSettings| {
+            let lengths = [settings.weld_tolerance, settings.shell_thickness, settings.rounding];
+            (lengths, settings.inward)
+        };
         if of_mesh(&settings) != of_mesh(&self.settings) {
             return Self::without_faces(&self.mesh, settings).rebake(settings, pool, progress);
         }
@@ -219,10 +223,10 @@ fn prepare(mesh: &TriMesh, settings: BakeSettings) -> BakedMesh {
     if settings.inward == Inward::Solid && mesh.is_room() {
         mesh = mesh.flipped();
     }
-    let mass = MassProperties::with_shell(&mesh, settings.shell_thickness);
+    let mass = MassProperties::rounded(&mesh, settings.shell_thickness, settings.rounding);
     let heights = SupportHeights::of(used_once(&mesh).map(|p| p - mass.center));
     BakedMesh {
-        radius: radius_about(&mesh, mass.center),
+        radius: radius_about(&mesh, mass.center, settings.rounding),
         one_sided: OneSided::of(&mesh),
         mesh,
         mass,
@@ -244,14 +248,14 @@ fn used_once(mesh: &TriMesh) -> impl Iterator<Item = Vec3> + '_ {
         .filter_map(|(v, used)| used.then_some(*v))
 }
 
-fn radius_about(mesh: &TriMesh, center: Vec3) -> f32 {
+fn radius_about(mesh: &TriMesh, center: Vec3, rounding: f32) -> f32 {
     let center = center.as_dvec3();
     let squared = mesh
         .used_positions()
         .map(|p| p.as_dvec3().distance_squared(center))
         .fold(0.0, f64::max);
     // The root is exact to a part in 2^53, so the next f32 above the rounded value is an upper bound.
-    (squared.sqrt() as f32).next_up()
+    ((squared.sqrt() + f64::from(rounding)) as f32).next_up()
 }
 
 impl fmt::Debug for BakedMesh {

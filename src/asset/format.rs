@@ -8,11 +8,11 @@
 //! | 0 | 8 | magic `FACEOFF\0` |
 //! | 8 | 4 | format version |
 //! | 12 | 4 | baker version |
-//! | 16 | 24 | settings: faces (0 or 1), degrees, image, weld tolerance, inward (0 for a room, 1 for a solid), shell thickness |
-//! | 40 | 32 | blake3 of the source file |
-//! | 72 | 8 | length of the frame's content |
-//! | 80 | 32 | blake3 of everything else in the file |
-//! | 112 | | lz4 frame |
+//! | 16 | 28 | settings: faces (0 or 1), degrees, image, weld tolerance, inward (0 for a room, 1 for a solid), shell thickness, rounding |
+//! | 44 | 32 | blake3 of the source file |
+//! | 76 | 8 | length of the frame's content |
+//! | 84 | 32 | blake3 of everything else in the file |
+//! | 116 | | lz4 frame |
 //!
 //! The reader is safe for untrusted input. It checks lengths against the remaining bytes before it allocates, and
 //! checks the range of all numbers. The checksum detects corruption by a disk or a network. It is not a signature: a
@@ -34,7 +34,7 @@ pub const MAGIC: [u8; 8] = *b"FACEOFF\0";
 /// still load, but are not up to date.
 pub const BAKER_VERSION: u32 = 4;
 /// Length of the header in bytes; enough for [`read_header`].
-pub const HEADER_LENGTH: usize = 112;
+pub const HEADER_LENGTH: usize = 116;
 
 /// The bases of a mass, by their number in a file.
 const BASES: [MassBasis; 6] = [
@@ -45,7 +45,7 @@ const BASES: [MassBasis; 6] = [
     MassBasis::Shell,
     MassBasis::Box,
 ];
-const CHECKSUM_AT: usize = 80;
+const CHECKSUM_AT: usize = 84;
 /// The start of each frame that this module writes: lz4's magic, version 1, independent blocks of at most 256 KiB, no
 /// options.
 const FRAME_START: [u8; 6] = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x50];
@@ -91,11 +91,12 @@ pub fn to_bytes(mesh: &CollisionMesh, source_hash: Hash) -> Vec<u8> {
         weld_tolerance,
         inward,
         shell_thickness,
+        rounding,
     } = mesh.settings;
     put(&mut out, [u32::from(faces), degrees, image]);
     put(&mut out, [weld_tolerance]);
     put(&mut out, [u32::from(inward == Inward::Solid)]);
-    put(&mut out, [shell_thickness]);
+    put(&mut out, [shell_thickness, rounding]);
     out.extend_from_slice(&source_hash);
     put(&mut out, [body.len() as u64]);
     out.resize(HEADER_LENGTH, 0);
@@ -145,6 +146,7 @@ pub fn read_header(bytes: &[u8]) -> Result<Header, FormatError> {
             Inward::Room
         },
         shell_thickness: f32::from_bits(reader.u32("the settings")?),
+        rounding: f32::from_bits(reader.u32("the settings")?),
     };
     settings
         .validate()

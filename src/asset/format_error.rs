@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// The version of the file format. It changes when the meaning of the bytes changes. Files of another version are
 /// rejected.
-pub const FORMAT_VERSION: u32 = 4;
+pub const FORMAT_VERSION: u32 = 5;
 
 /// Why bytes are not a valid `.faceoff` file of this version.
 #[derive(Clone, Debug, Error, PartialEq)]

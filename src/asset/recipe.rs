@@ -1,7 +1,7 @@
 //! The `.bake.ron` recipe, which says which mesh to bake, and how.
 //!
 //! ```ron
-//! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256, weld_tolerance: 1e-6, inward: Room, shell_thickness: 0.01))
+//! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256, weld_tolerance: 1e-6, inward: Room, shell_thickness: 0.01, rounding: 0.0))
 //! ```
 //!
 //! The path is relative to the recipe, with `/` between folders and `..` for the parent folder. It must not begin with
@@ -111,8 +111,8 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// The recipe as one line of text. `read_outside`, `weld_tolerance`, `inward` and `shell_thickness` are left out if
-    /// they have their default values.
+    /// The recipe as one line of text. `read_outside`, `weld_tolerance`, `inward`, `shell_thickness` and `rounding` are
+    /// left out if they have their default values.
     pub fn to_text(&self) -> String {
         let BakeSettings {
             faces,
@@ -121,6 +121,7 @@ impl Recipe {
             weld_tolerance,
             inward,
             shell_thickness,
+            rounding,
         } = self.settings;
         let part = self
             .part
@@ -138,6 +139,9 @@ impl Recipe {
         }
         if shell_thickness != default.shell_thickness {
             settings += &format!(", shell_thickness: {shell_thickness:?}");
+        }
+        if rounding != default.rounding {
+            settings += &format!(", rounding: {rounding:?}");
         }
         format!("(mesh: {:?}, {part}{outside}settings: ({settings}))\n", self.mesh)
     }

@@ -4,7 +4,7 @@
 //! target distance, the caller computes in closed form when it touches. So the result has no tolerance, and meshes that
 //! pass each other as closely as you like do not touch.
 
-use super::search::{Entry, Search, SweptMesh};
+use super::search::{Entry, Hit, Outcome, Search, SweptMesh};
 use super::triangle_pair::TargetDistance;
 use super::{Pose, Scratch, Sweep};
 use crate::asset::CollisionMesh;
@@ -24,6 +24,8 @@ pub(crate) struct Moving<'a> {
     pub center: DVec3,
     /// Radius of the bounding sphere around it, metres.
     pub radius: f64,
+    /// Radius of the rounding, metres.
+    pub rounding: f64,
 }
 
 /// Calls `touch` with pairs of triangles that may touch while the second mesh moves by `travel`, early ones first.
@@ -41,6 +43,51 @@ pub(crate) fn cast([a, b]: &[Moving; 2], travel: DVec3, scratch: &mut Scratch, t
     with_simd!(simd => search.cast_with(simd, scratch, touch));
 }
 
+/// Where two meshes first touch.
+pub(crate) struct RoundedTouch {
+    /// Fraction of the path.
+    pub time: f64,
+    /// On the first surface.
+    pub point: DVec3,
+    /// From the first mesh to the second.
+    pub normal: DVec3,
+    /// `None` if they are within the tolerance at the start.
+    pub triangles: Option<[u32; 2]>,
+}
+
+/// Tolerance of a rounded cast, in units of the smaller radius.
+const TOLERANCE: f64 = 1.0e-6;
+
+/// Where two meshes, apart at the start and at least one of them rounded, first touch while the second moves by
+/// `travel`.
+pub(crate) fn cast_rounded([a, b]: &[Moving; 2], travel: DVec3, scratch: &mut Scratch) -> Option<RoundedTouch> {
+    let (rounding, tolerance) = (a.rounding + b.rounding, TOLERANCE * a.radius.min(b.radius));
+    let search = Search {
+        meshes: [a.swept(DVec3::ZERO), b.swept(travel)],
+        target: TargetDistance {
+            aim: rounding + 0.5 * tolerance,
+            reached: rounding + tolerance,
+        },
+        span: [0.0, 1.0],
+        speed: travel.length(),
+    };
+    let hit = match search.run(scratch) {
+        Outcome::Hit(hit) => hit,
+        Outcome::InitiallyClose => Hit {
+            time: 0.0,
+            triangles: None,
+        },
+        Outcome::Apart => return None,
+    };
+    let [point, normal] = search.contact(&hit).unwrap_or_default();
+    Some(RoundedTouch {
+        time: hit.time,
+        point,
+        normal,
+        triangles: hit.triangles,
+    })
+}
+
 impl<'a> Moving<'a> {
     fn swept(&self, travel: DVec3) -> SweptMesh<'a> {
         let before = Pose {
@@ -56,6 +103,7 @@ impl<'a> Moving<'a> {
             scale: self.scale,
             offset: DVec3::ZERO,
             radius: self.radius,
+            rounding: self.rounding,
         }
     }
 }

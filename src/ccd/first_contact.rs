@@ -83,7 +83,7 @@ fn first_contact(
         // A rotation may lead a point round to a place from which it does not approach along the normal.
         separation: offset.dot(normal).max(0.0) as f32,
         bulge: 0.0,
-        curvature_radii: [0.0; 2],
+        curvature_radii: pair.map(|i| bodies.rounding[i as usize]),
         normal_rotation: 0.0,
         faces: [0, 1].map(|i| {
             let mesh = &meshes[bodies.mesh[pair[i] as usize]].mesh.mesh;

@@ -44,7 +44,7 @@ mod time_of_impact;
 mod triangle_pair;
 mod triangles;
 
-pub(crate) use cast::{Moving, cast};
+pub(crate) use cast::{Moving, cast, cast_rounded};
 pub use impacts::{Impact, ImpactScratch, find_impacts};
 pub use search::Scratch;
 pub use sensors::{SensorScratch, find_sensor_touches};

@@ -48,6 +48,8 @@ pub struct SweptMesh<'a> {
     pub offset: DVec3,
     /// Radius of the bounding sphere around the body's centre of mass, metres.
     pub radius: f64,
+    /// Radius of the rounding, metres.
+    pub rounding: f64,
 }
 
 /// The search for the first hit of one pair of bodies.
@@ -327,8 +329,10 @@ impl Search<'_> {
             swept.triangle(triangles[i]).map(|corner| center + rotation * corner)
         });
         let nearest = nearest(&a, &b);
+        let [own, other] = self.meshes.map(|swept| swept.rounding);
+        let gap = nearest.distance - own - other;
         Some([
-            nearest.from + 0.5 * nearest.distance * nearest.direction,
+            nearest.from + (own + 0.5 * gap) * nearest.direction,
             nearest.direction,
         ])
     }

@@ -104,9 +104,11 @@ pub(super) fn search<'a>(
     let radii = [(a, offsets[0]), (b, offsets[1])].map(|(i, offset)| f64::from(bodies.radius[i]) + offset.length());
     let target_distance = f64::from(target_distance.clamp(0.0, f32::MAX));
     let tolerance = (TOLERANCE * target_distance).max(MIN_TOLERANCE * radii[0].min(radii[1]));
+    let roundings = [a, b].map(|i| f64::from(bodies.rounding[i]));
+    let rounding = roundings[0] + roundings[1];
     let target = TargetDistance {
-        aim: target_distance + 0.5 * tolerance,
-        reached: target_distance + tolerance,
+        aim: rounding + target_distance + 0.5 * tolerance,
+        reached: rounding + target_distance + tolerance,
     };
     let span = spheres::overlap(sweeps, radii[0] + radii[1] + target.reached)?;
     let swept = |number: usize, i: usize| {
@@ -118,6 +120,7 @@ pub(super) fn search<'a>(
             scale: bodies.scale[i],
             offset: offsets[number],
             radius: radii[number],
+            rounding: roundings[number],
         })
     };
     let surface_speed = |side: usize| sweeps[side].turn.length() * radii[side];

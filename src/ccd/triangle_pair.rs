@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Factor that compensates the rounding of a time.
 const ROUNDED_DOWN: f64 = 1.0 - 1.0e-9;
 
-/// The distance at which two bodies are stopped, metres.
+/// The distance of the cores at which two bodies are stopped, metres.
 #[derive(Clone, Copy)]
 pub struct TargetDistance {
     /// The advancement aims at this distance.

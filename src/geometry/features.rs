@@ -45,7 +45,7 @@ pub struct MeshFeatures {
     pub vertices: Vec<Vec3>,
     /// For each triangle of the mesh, its corners as indices into [`MeshFeatures::vertices`].
     pub triangles: Vec<[u32; 3]>,
-    /// Unit normals of the triangles in mesh space, according to their winding.
+    /// Unit normals of the triangles in mesh space, according to their winding; zero for a segment.
     pub normals: Vec<Vec3>,
     /// The three edges of each triangle; the first leads from its first corner to its second. [`NONE`] if both ends are
     /// the same vertex.
@@ -112,12 +112,22 @@ impl MeshFeatures {
         };
         let numbers = features.add_triangles(mesh);
         let (ends, creases) = features.add_edges(mesh, &numbers);
+        if mesh.is_thin() {
+            features.own_segment();
+        }
         features.add_edge_normal_rotations();
         features.add_neighbors(&ends);
         features.add_nearest_rotations();
         features.add_components(mesh, &numbers);
         features.add_roundness(&creases);
         features
+    }
+
+    /// Gives the only triangle of a segment or a point what there is: its ends, and the edge between them. It owns no
+    /// face.
+    fn own_segment(&mut self) {
+        self.owned[0] = if self.vertices.len() == 2 { 0b1011 } else { 0b1 };
+        self.normals[0] = Vec3::ZERO;
     }
 
     /// The vertices that share an edge with `vertex`.

@@ -61,15 +61,7 @@ impl TriMesh {
         if faces.is_empty() {
             return Err(MeshError::Empty);
         }
-        for (i, &position) in vertices.iter().enumerate() {
-            let vertex = i as u32;
-            if !position.is_finite() {
-                return Err(MeshError::NonFinite { vertex, position });
-            }
-            if position.abs().max_element() > MAX_COORDINATE {
-                return Err(MeshError::TooFar { vertex, position });
-            }
-        }
+        check_vertices(&vertices)?;
         for (face, corners) in faces.iter().enumerate() {
             if let Some(&index) = corners.iter().find(|&&v| v as usize >= vertices.len()) {
                 return Err(MeshError::IndexOutOfRange {
@@ -102,6 +94,34 @@ impl TriMesh {
             turned: Vec::new(),
             weld_tolerance: WELD_TOLERANCE,
         }))
+    }
+
+    /// A mesh without faces: a segment between two points, or a single point if both are equal. Only the core of a
+    /// rounded mesh can be one: its surface is all that is within a distance of it.
+    ///
+    /// # Errors
+    /// If a coordinate is invalid; see [`MeshError`].
+    pub fn segment(ends: [Vec3; 2]) -> Result<Self, MeshError> {
+        check_vertices(&ends)?;
+        let [start, end] = ends;
+        let (vertices, triangle) = if start == end {
+            (vec![start], [0, 0, 0])
+        } else {
+            (vec![start, end], [0, 1, 1])
+        };
+        Ok(Self::assembled(MeshParts {
+            vertices,
+            triangles: vec![triangle],
+            face_ids: vec![0],
+            dropped: Vec::new(),
+            turned: Vec::new(),
+            weld_tolerance: 0.0,
+        }))
+    }
+
+    /// Whether this is a single segment or a single point; see [`TriMesh::segment`].
+    pub fn is_thin(&self) -> bool {
+        is_thin(&self.triangles)
     }
 
     /// Computes the connectivity of validated parts.
@@ -138,7 +158,7 @@ impl TriMesh {
     ///
     /// Recomputes the connectivity. Vertices and triangles stay bit-identical.
     pub fn with_weld_tolerance(self, tolerance: f32) -> Self {
-        if self.topology.tolerance == tolerance {
+        if self.topology.tolerance == tolerance || self.is_thin() {
             return self;
         }
         self.with_topology_at(tolerance)
@@ -483,7 +503,7 @@ impl TriMesh {
             return Err("a triangle refers to a vertex that does not exist");
         }
         let has_no_area = |t: &[u32; 3]| is_degenerate(t.map(|v| vertices[v as usize]));
-        if triangles.iter().any(has_no_area) {
+        if !is_thin(triangles) && triangles.iter().any(has_no_area) {
             return Err("a triangle has no area");
         }
         if !dropped.iter().all(has_no_area) {
@@ -504,7 +524,11 @@ impl TriMesh {
                 Some(seen) => *seen = true,
             }
         }
-        Ok(Self::assembled(parts))
+        let weld_tolerance = if is_thin(triangles) { 0.0 } else { parts.weld_tolerance };
+        Ok(Self::assembled(MeshParts {
+            weld_tolerance,
+            ..parts
+        }))
     }
 
     /// The bounding box of all triangles.
@@ -516,6 +540,24 @@ impl TriMesh {
     pub fn used_positions(&self) -> impl Iterator<Item = Vec3> + '_ {
         self.triangles.iter().flatten().map(|&v| self.vertices[v as usize])
     }
+}
+
+/// Checks that all coordinates are finite and not too large.
+fn check_vertices(vertices: &[Vec3]) -> Result<(), MeshError> {
+    for (vertex, &position) in (0..).zip(vertices) {
+        if !position.is_finite() {
+            return Err(MeshError::NonFinite { vertex, position });
+        }
+        if position.abs().max_element() > MAX_COORDINATE {
+            return Err(MeshError::TooFar { vertex, position });
+        }
+    }
+    Ok(())
+}
+
+/// Whether these are the triangles of [`TriMesh::segment`].
+fn is_thin(triangles: &[[u32; 3]]) -> bool {
+    matches!(triangles, [[0, end, other]] if end == other && *end <= 1)
 }
 
 /// Whether the corners are collinear.

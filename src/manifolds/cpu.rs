@@ -31,6 +31,7 @@ mod search;
 pub(super) mod side;
 mod small_triangle;
 pub(super) mod smooth;
+mod thin;
 
 pub(super) use arrival::PairMotion;
 pub(crate) use feature::Feature;
@@ -253,6 +254,7 @@ fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2])
             frame: &bodies.frame[i],
             scale: bodies.scale[i],
             radius: bodies.radius[i],
+            rounding: bodies.rounding[i],
         })
     };
     Some(Pair::new([&placed(a)?, &placed(b)?]))

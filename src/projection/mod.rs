@@ -31,7 +31,7 @@ pub use progress::{Cancelled, Progress};
 
 use crate::geometry::SHELL_THICKNESS;
 use crate::geometry::direction::DirectionGrid;
-use crate::geometry::mesh::WELD_TOLERANCE;
+use crate::geometry::mesh::{MAX_COORDINATE, WELD_TOLERANCE};
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -64,6 +64,11 @@ pub struct BakeSettings {
     /// its bounding box; more than 0, at most 0.5. See
     /// [`MassProperties::with_shell`](crate::geometry::MassProperties::with_shell).
     pub shell_thickness: f32,
+    /// Radius of the rounding, mesh units; 0 for none. The surface is then all that is within this distance of the mesh,
+    /// which is its *core*: edges and corners are round, and a sheet has a thickness of twice the radius.
+    ///
+    /// A scale multiplies it by its smallest component, because a round surface stays round only under even scales.
+    pub rounding: f32,
 }
 
 /// How to treat a closed mesh whose faces point inward.
@@ -92,6 +97,7 @@ impl Default for BakeSettings {
             weld_tolerance: WELD_TOLERANCE,
             inward: Inward::Room,
             shell_thickness: SHELL_THICKNESS,
+            rounding: 0.0,
         }
     }
 }
@@ -111,6 +117,9 @@ pub enum SettingsError {
     /// [`BakeSettings::shell_thickness`] is out of range.
     #[error("shell_thickness is {0}, but must be more than 0 and at most 0.5 of the mesh's size")]
     ShellThickness(f32),
+    /// [`BakeSettings::rounding`] is out of range.
+    #[error("rounding is {0}, but must be 0 to {MAX_COORDINATE} mesh units")]
+    Rounding(f32),
 }
 
 impl BakeSettings {
@@ -139,6 +148,9 @@ impl BakeSettings {
         }
         if !(self.shell_thickness > 0.0 && self.shell_thickness <= Self::MAX_SHELL_THICKNESS) {
             return Err(SettingsError::ShellThickness(self.shell_thickness));
+        }
+        if !(0.0..=MAX_COORDINATE).contains(&self.rounding) {
+            return Err(SettingsError::Rounding(self.rounding));
         }
         Ok(())
     }

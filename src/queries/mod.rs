@@ -75,6 +75,7 @@ mod overlap;
 mod placed;
 mod point;
 mod ray;
+mod rounded;
 mod scene;
 mod segment;
 mod shape;

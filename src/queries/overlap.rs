@@ -41,7 +41,7 @@ impl Placed<'_> {
     }
 
     pub(super) fn overlaps_round(&self, round: &Round) -> bool {
-        let radius = round.radius;
+        let radius = round.radius + self.rounding();
         let [p, q] = round.ends.map(|end| self.in_axes(end));
         let (center, half) = ((p + q) * 0.5, (p - q).abs() * 0.5);
         let reach = half.length() + radius + f64::from(self.radius());

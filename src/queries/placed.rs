@@ -7,7 +7,7 @@ use crate::simd::lanes::{Rows, SimdBase, add, bitmask, load_points, splat, splat
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
-use crate::state::bodies::bounding_radius;
+use crate::state::bodies::{bounding_radius, rounding};
 use crate::state::checks::check_pose;
 use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::BoxGroup;
@@ -129,7 +129,9 @@ impl<'a> Placed<'a> {
             found.set([low, high]);
             true
         });
-        found.get().map(|p| self.pose.translation + p)
+        let rounding = DVec3::splat(self.rounding());
+        let [low, high] = found.get().map(|p| self.pose.translation + p);
+        [low - rounding, high + rounding]
     }
 
     /// Whether the bounding spheres show that the meshes are farther apart than `distance`.
@@ -207,7 +209,7 @@ impl<'a> Placed<'a> {
         let half = matrix.abs() * aabb.half_size().as_dvec3();
         [
             self.pose.translation + center + matrix * aabb.center().as_dvec3(),
-            half * (1.0 + 1.0e-6) + DVec3::splat(f64::from(PAD) * f64::from(self.pose.radius)),
+            half * (1.0 + 1.0e-6) + DVec3::splat(f64::from(PAD) * f64::from(self.pose.radius) + self.rounding()),
         ]
     }
 
@@ -217,6 +219,7 @@ impl<'a> Placed<'a> {
         let vertices = self.mesh.features().vertices.iter().map(|p| p.as_dvec3());
         let farthest = vertices.max_by(|a, b| along.dot(*a).total_cmp(&along.dot(*b)));
         self.in_world(self.pose.frame.scale * farthest.unwrap_or_default())
+            + direction.normalize_or_zero() * self.rounding()
     }
 
     /// Its pose relative to `origin`.
@@ -240,6 +243,7 @@ impl<'a> Placed<'a> {
             frame,
             scale: self.pose.scale,
             radius: bounding_radius(self.pose.radius, frame.center.as_vec3()),
+            rounding: rounding(self.mesh, self.pose.scale),
         }
     }
 

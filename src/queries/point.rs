@@ -54,9 +54,16 @@ impl Placed<'_> {
         if !is_valid {
             return None;
         }
-        let is_inside = self.contains(from);
-        let nearest = self.nearest(from, if is_inside { f64::INFINITY } else { max_distance })?;
-        Some(self.point_hit(from, &nearest, is_inside))
+        let (is_in_core, rounding) = (self.contains(from), self.rounding());
+        let most = if is_in_core { f64::INFINITY } else { max_distance + rounding };
+        let nearest = self.nearest(from, most)?;
+        let mut hit = self.point_hit(from, &nearest, is_in_core);
+        if rounding > 0.0 {
+            hit.point += hit.normal.as_dvec3() * rounding;
+            hit.is_inside = is_in_core || hit.distance <= rounding;
+            hit.distance = (hit.distance - rounding).max(0.0);
+        }
+        Some(hit)
     }
 
     /// Whether a solid mesh contains a point, given in [`Placed::in_axes`].

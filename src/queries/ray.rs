@@ -82,17 +82,29 @@ impl Placed<'_> {
     /// two faces that are hit at the same distance, for example at a common edge, it is the one of lower number. A ray
     /// that lies in the plane of a face hits only its neighbours. A ray with a zero direction, a number that is not
     /// finite or a negative length hits nothing.
+    ///
+    /// A ray hits a rounded mesh where it enters the round surface, or leaves it if it starts inside. The face is then
+    /// that of the nearest point of the core.
     pub fn cast_ray(&self, ray: &Ray) -> Option<RayHit> {
+        if self.rounding() > 0.0 {
+            return self.rounded_hit(ray);
+        }
         self.nearest_hit(ray, |_, _| true)
     }
 
     /// The first face for which `predicate` holds. It may be called for faces behind the first one.
     pub fn cast_ray_predicate(&self, ray: &Ray, predicate: impl Fn(&RayHit) -> bool) -> Option<RayHit> {
+        if self.rounding() > 0.0 {
+            return self.rounded_hit(ray).filter(predicate);
+        }
         self.nearest_hit(ray, |cast, meeting| predicate(&cast.hit(meeting)))
     }
 
     /// Whether a ray hits any face. Faster than [`Placed::cast_ray`] where it hits several.
     pub fn hits_ray(&self, ray: &Ray) -> bool {
+        if self.rounding() > 0.0 {
+            return self.rounded_hit(ray).is_some();
+        }
         let mut hits = false;
         self.visit(ray, &mut |_, _| {
             hits = true;
@@ -102,7 +114,11 @@ impl Placed<'_> {
     }
 
     /// All faces that a ray hits, in the order of distance, then number. A ray through a common edge hits both faces.
+    /// Of a rounded mesh it is only the first hit.
     pub fn ray_hits(&self, ray: &Ray) -> Vec<RayHit> {
+        if self.rounding() > 0.0 {
+            return self.rounded_hit(ray).into_iter().collect();
+        }
         let mut hits = Vec::new();
         self.visit(ray, &mut |cast, meeting| {
             hits.push(cast.hit(&meeting));

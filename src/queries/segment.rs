@@ -43,17 +43,18 @@ impl Placed<'_> {
             let end = [p, q].into_iter().zip(inside).find(|(_, inside)| *inside);
             end.map(|(end, _)| end).or_else(|| self.longest_part_inside(ends))
         };
+        let rounding = self.rounding();
         if let Some(deepest) = deepest {
             let hit = self.point_hit(deepest, &self.nearest(deepest, f64::INFINITY)?, true);
             let depth = hit.point.distance(self.in_world(deepest));
             return Some(SegmentHit {
-                distance: -depth,
-                point: hit.point,
+                distance: -depth - rounding,
+                point: hit.point + hit.normal.as_dvec3() * rounding,
                 normal: hit.normal,
                 face: hit.face,
             });
         }
-        let mut most = max_distance;
+        let mut most = max_distance + rounding;
         let mut found = None;
         self.visit_near(middle, (p - q).abs() * 0.5, most, &mut |triangle| {
             let corners = self.corners(triangle);
@@ -84,10 +85,11 @@ impl Placed<'_> {
             let heights = [p, q].map(|end| above.dot(end - point));
             (heights[0].min(heights[1]).min(0.0), above)
         };
+        let normal = self.turn_to_world(away);
         Some(SegmentHit {
-            distance,
-            point: self.in_world(point),
-            normal: self.turn_to_world(away).as_vec3(),
+            distance: distance - rounding,
+            point: self.in_world(point) + normal * rounding,
+            normal: normal.as_vec3(),
             face: self.mesh().mesh.face_ids()[triangle],
         })
     }

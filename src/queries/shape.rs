@@ -65,8 +65,16 @@ impl<'a> QueryShape<'a> {
     /// The shape with a pose, if both are valid.
     pub(super) fn placed(&self, translation: DVec3, rotation: DQuat) -> Option<PlacedShape<'a>> {
         let mesh = |mesh: &'a CollisionMesh, scale: Vec3| {
-            let placed = Placed::new(mesh, translation, rotation, scale);
-            placed.ok().map(PlacedShape::Mesh)
+            let placed = Placed::new(mesh, translation, rotation, scale).ok()?;
+            Some(if mesh.mesh.is_thin() {
+                let [start, _, end] = placed.corners(0);
+                PlacedShape::Round(Round {
+                    ends: [start, end].map(|end| placed.in_world(end)),
+                    radius: placed.rounding(),
+                })
+            } else {
+                PlacedShape::Mesh(placed)
+            })
         };
         let round = |radius: f64, half_length: f64| {
             let axis = rotation.normalize() * (DVec3::Y * half_length);

@@ -32,7 +32,7 @@ pub fn arm(bodies: &Bodies, meshes: &MeshArena, [i, j]: [u32; 2], motion: f32) -
     let height = |k: usize| {
         let direction = directions[k % 8];
         let local = other.scale * (to_local * direction);
-        center.dot(direction) + local.dot(other.mesh.heights.support(local))
+        center.dot(direction) + local.dot(other.mesh.heights.support(local)) + other.rounding
     };
     // The side towards the centre of `j` is probably the farthest: beyond the radius nothing else matters.
     let first = octant(center.dot(u), center.dot(v));

@@ -16,6 +16,7 @@ use super::mesh_arena::MeshArena;
 use super::part_index::PartIndex;
 use super::revision::Revision;
 use super::static_changes::StaticChanges;
+use crate::asset::CollisionMesh;
 use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
@@ -48,6 +49,8 @@ pub struct Bodies {
     pub center: Vec<Vec3>,
     /// Radius of the bounding sphere, rounded up.
     pub radius: Vec<f32>,
+    /// Radius of the rounding, metres; 0 for most meshes.
+    pub rounding: Vec<f32>,
     /// Radius of the bounding sphere without the allowance for a rounded centre. It does not depend on the position.
     pub unpadded_radius: Vec<f32>,
     /// Thickness of the thinnest part, metres.
@@ -397,6 +400,11 @@ impl Bodies {
         [linear.length(), angular * reach].map(|acceleration| acceleration.min(MAX_ACCELERATION))
     }
 
+    /// Whether either collider of a pair is rounded.
+    pub(crate) fn are_rounded(&self, pair: [u32; 2]) -> bool {
+        pair.iter().any(|&i| self.rounding[i as usize] > 0.0)
+    }
+
     /// Whether contacts between two colliders can move one of their bodies.
     pub(crate) fn push_each_other(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (a as usize, b as usize);
@@ -497,6 +505,7 @@ impl Bodies {
             frame,
             center,
             radius,
+            rounding: rounding(&slot.mesh, scale),
             unpadded_radius,
             thickness: slot.mesh.mass.thickness * scale.abs().min_element(),
             speculative_radius: radius,
@@ -523,6 +532,11 @@ pub(super) fn unit(rotation: Quat) -> Quat {
     } else {
         rotation.normalize()
     }
+}
+
+/// Radius of the rounding of a mesh with this scale, metres.
+pub(crate) fn rounding(mesh: &CollisionMesh, scale: Vec3) -> f32 {
+    mesh.settings.rounding * scale.abs().min_element()
 }
 
 /// Radius of a body's bounding sphere, enlarged by the rounding error of its centre.

@@ -46,6 +46,7 @@ columns! {
     frame: Frame,
     center: Vec3,
     radius: f32,
+    rounding: f32,
     unpadded_radius: f32,
     thickness: f32,
     speculative_radius: f32,

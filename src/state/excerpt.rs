@@ -41,6 +41,7 @@ impl Bodies {
             frame: picked(&self.frame, colliders),
             center: picked(&self.center, colliders),
             radius: picked(&self.radius, colliders),
+            rounding: picked(&self.rounding, colliders),
             unpadded_radius: picked(&self.unpadded_radius, colliders),
             thickness: picked(&self.thickness, colliders),
             speculative_radius: picked(&self.speculative_radius, colliders),

@@ -12,6 +12,8 @@ pub struct PlacedMesh<'a> {
     pub scale: Vec3,
     /// Radius of the bounding sphere about the centre of mass, rounded up.
     pub radius: f32,
+    /// Radius of the rounding, metres; see [`BakeSettings::rounding`](crate::projection::BakeSettings::rounding).
+    pub rounding: f32,
 }
 
 impl<'a> PlacedMesh<'a> {
@@ -23,6 +25,7 @@ impl<'a> PlacedMesh<'a> {
             frame: &bodies.frame[i],
             scale: bodies.scale[i],
             radius: bodies.radius[i],
+            rounding: bodies.rounding[i],
         }
     }
 }

@@ -116,6 +116,7 @@ fn test_triangles(input: &StepInput, results: &mut StepResults, scratch: &mut St
         ..
     } = results;
     contacts.lists_faces = input.config.face_lists;
+    let solves = input.config.response == Response::Contacts;
     let mut test = |planes: &[Plane], near_pairs: &[NearPair], limit| {
         triangle_test::cpu::run(
             &input.bodies,
@@ -125,7 +126,14 @@ fn test_triangles(input: &StepInput, results: &mut StepResults, scratch: &mut St
             manifolds,
             &scratch.inactive,
             |pair| !scratch.left_out.contains_plane_pair(pair),
-            |pair| scratch.manifolds.is_apart(&input.bodies, &input.meshes, pair),
+            |pair| {
+                if input.bodies.are_rounded(pair) {
+                    // Their contact points tell whether they touch.
+                    solves && input.bodies.push_each_other(pair)
+                } else {
+                    scratch.manifolds.is_apart(&input.bodies, &input.meshes, pair)
+                }
+            },
             limit,
             &mut scratch.triangle_test,
             contacts,

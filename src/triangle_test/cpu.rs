@@ -10,6 +10,7 @@ mod lane_filter;
 mod pair_setup;
 pub(crate) mod placed;
 mod planes;
+mod rounded;
 
 use crate::parallel::loops;
 use crate::parallel::per_thread::PerThread;
@@ -18,9 +19,10 @@ use crate::simd::level::with_simd;
 use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::nearest;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, Contacts, FacePair, Manifolds, NearPair, PairContact, PlacedMesh, Plane};
+use crate::state::{Bodies, Contact, Contacts, FacePair, Manifolds, NearPair, PairContact, PlacedMesh, Plane};
 use pair_setup::PairSetup;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Memory kept between steps.
@@ -135,6 +137,37 @@ pub(crate) fn run(
     Ok(contacts.faces.len())
 }
 
+/// Adds a pair whose cores are apart and whose rounded surfaces touch, with the contact where they are deepest.
+fn add_rounded(pair @ [a, b]: [&PlacedMesh; 2], near: &NearPair, found: &mut Contacts) {
+    let first_face = found.faces.len() as u32;
+    let mut deepest: Option<rounded::Touch> = None;
+    rounded::touches(pair, |touch| {
+        let Contact { point, .. } = touch.contact;
+        let [ta, tb] = touch.triangles.map(|t| t as usize);
+        found.faces.push(FacePair {
+            a: a.mesh.mesh.face_ids()[ta],
+            b: b.mesh.mesh.face_ids()[tb],
+            start: point,
+            end: point,
+        });
+        if deepest.as_ref().is_none_or(|other| touch.distance < other.distance) {
+            deepest = Some(touch);
+        }
+        ControlFlow::Continue(())
+    });
+    found.pairs.extend(deepest.map(|touch| PairContact {
+        bodies: near.bodies,
+        contained: false,
+        first_face,
+        face_count: found.faces.len() as u32 - first_face,
+        contact: touch.contact,
+        first_point: 0,
+        point_count: 0,
+        impulse: 0.0,
+        passing: false,
+    }));
+}
+
 /// Finds the inactive pairs whose contact points of the last collision substep overlap.
 fn find_overlapping(manifolds: &Manifolds, inactive: &InactiveBodies, overlapping: &mut Vec<[u32; 2]>) {
     overlapping.clear();
@@ -185,7 +218,14 @@ fn touch<S: Simd>(simd: S, [a, b]: [&PlacedMesh; 2], near: &NearPair, worker: &m
         let (a, b) = (a.mesh.mesh.corners(ta as usize), b.mesh.mesh.corners(tb as usize));
         pair_frame.intersect(a, b).is_some()
     };
-    worker.search.any(&setup, intersect) || containment::either_inside([a, b], near)
+    let mut any = worker.search.any(&setup, intersect) || containment::either_inside([a, b], near);
+    if !any {
+        rounded::touches([a, b], |_| {
+            any = true;
+            ControlFlow::Break(())
+        });
+    }
+    any
 }
 
 #[inline(always)]
@@ -227,6 +267,9 @@ fn test_pair<S: Simd>(
     });
     let face_count = found.faces.len() as u32 - first_face;
     let contained = face_count == 0 && containment::either_inside([&a, &b], pair);
+    if face_count == 0 && !contained {
+        add_rounded([&a, &b], pair, found);
+    }
     if face_count > 0 || contained {
         found.pairs.push(PairContact {
             bodies: pair.bodies,

@@ -56,6 +56,7 @@ pub fn best_axis([a, b]: [&PlacedMesh; 2], margin: f32) -> Option<NearPair> {
         let pa = scale_a * heights_a.support(scale_a * u);
         let pb = translation + rotation * (scale_b * heights_b.support(scale_b * (rotation.transpose() * -u)));
         let (a_below, b_above) = (pa.dot(u), pb.dot(u));
+        let (a_below, b_above) = (a_below + a.rounding, b_above - b.rounding);
         let overlap = a_below - b_above;
         if overlap < -2.0 * pad - margin {
             return None;

@@ -185,11 +185,13 @@ impl Report {
             weld_tolerance,
             inward,
             shell_thickness,
+            rounding,
         } = self.settings;
         row("settings", format!("faces {faces}, {degrees} degrees, image {image}"));
         row("weld tolerance", format!("{weld_tolerance:?} of the size"));
         row("if inward", format!("{inward:?}").to_lowercase());
         row("shell thickness", format!("{shell_thickness:?} of the size"));
+        row("rounding", rounding.to_string());
         match &self.table {
             None => row("face table", "none".into()),
             Some(table) => {

@@ -1,6 +1,7 @@
 //! Mass properties of a mesh at density 1.
 
 mod open;
+mod rounded;
 
 use super::thickness::thickness;
 use crate::geometry::{Aabb, Orientation, TriMesh};

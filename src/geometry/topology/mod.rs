@@ -161,7 +161,10 @@ impl Faces<'_> {
     pub fn rewound(&self, topology: Topology) -> Topology {
         let welded = &topology.welded;
         let (edges, counts) = self.edges(welded);
-        let (orientation, (mut caps, slivers)) = if counts.iter().any(|count| count.is_boundary()) {
+        let (orientation, (mut caps, slivers)) = if counts.is_empty() {
+            // A segment or a point has no faces.
+            (Orientation::Open, Default::default())
+        } else if counts.iter().any(|count| count.is_boundary()) {
             let boundary = self.boundary(&edges, &counts, welded, topology.tolerance);
             (Orientation::Open, boundary.caps_if_nearly_closed(self.area()))
         } else if counts.iter().any(|count| count.balance != 0) {

@@ -10,6 +10,7 @@ use super::feature::{Feature, Origin};
 use super::inside::is_near;
 use super::pair::Pair;
 use super::side::Side;
+use super::smooth;
 use glam::DVec3;
 
 /// Largest distance from a surface at which a point arrives on it, in units of the rest offset. The gap between bodies
@@ -76,7 +77,7 @@ impl<'a> Arrival<'a> {
     /// Whether both surfaces are smooth and convex at the feature. The solver rotates the normal of their contact as
     /// they pass each other.
     fn is_round(&self, feature: &Feature) -> bool {
-        (0..2).all(|i| self.pair.sides[i].curvature(feature.triangles[i]) > 0.0)
+        (0..2).all(|i| smooth::curvature(&self.pair.sides, feature, i) > 0.0)
     }
 
     /// Whether a feature at a point arrives on the surface, or not at all.
@@ -95,9 +96,9 @@ impl<'a> Arrival<'a> {
             Origin::Edges(edges) => self.edges_cross(feature, edges, way, left, error),
             Origin::VertexEdge { side, .. } => {
                 let side = usize::from(side);
-                self.is_on(1 - side, feature.points[side] + relative(side, way), left, error)
+                self.touches(1 - side, feature.points[side] + relative(side, way), left, error)
             }
-            Origin::Vertices(_) => self.is_on(0, feature.points[1] + way, left, error),
+            Origin::Vertices(_) => self.touches(0, feature.points[1] + way, left, error),
             Origin::Patch { .. } | Origin::Inside => true,
         }
     }
@@ -132,7 +133,7 @@ impl<'a> Arrival<'a> {
             let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.winding_sign;
             across >= error * edge.length()
         });
-        inside || self.is_on(other, place, left, error)
+        inside || self.touches(other, place, left, error)
     }
 
     /// Whether two edges still cross when they arrive. Where one of them has ended, another may continue it.
@@ -153,7 +154,13 @@ impl<'a> Arrival<'a> {
         place.is_finite() && self.is_on(0, place, left, error) && self.is_on(1, place - way, left, error)
     }
 
-    /// Whether a point lies on a side's surface, or no farther above it than is `left` of the gap.
+    /// Whether a vertex of one side touches the other, or is no farther from it than is `left` of the gap.
+    fn touches(&mut self, other: usize, p: DVec3, left: f64, error: f64) -> bool {
+        let apart = self.pair.rounding() + left;
+        self.is_on(other, p, apart, error)
+    }
+
+    /// Whether a point lies on a side's core, or no farther above it than is `left` of the gap.
     fn is_on(&mut self, side: usize, p: DVec3, left: f64, error: f64) -> bool {
         let tolerance = TOLERANCE * self.motion.rest_offset;
         if error > tolerance || self.searches == 0 {

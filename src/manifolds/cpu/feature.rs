@@ -1,7 +1,7 @@
 //! Contact features: vertex-face and edge-edge.
 
 use super::feature_bits::{CROSSING, FeatureBit, FeatureBits};
-use super::side::{Side, Triangle};
+use super::side::{Side, Triangle, rounding};
 use crate::simd::lanes::{bits, each};
 use glam::DVec3;
 use std::ops::RangeInclusive;
@@ -197,8 +197,10 @@ impl<'a> TrianglePair<'a> {
             return None;
         }
         let mut nearest = (1.0 - 0.5 * ARC * ARC, normal);
+        // Between rounded surfaces normals change without steps.
+        let is_rounded = rounding(self.sides) > 0.0;
         let faces = [Some(own_a), other_a, Some(-own_b), other_b.map(|n| -n)];
-        for face in faces.into_iter().flatten() {
+        for face in faces.into_iter().flatten().filter(|_| !is_rounded) {
             let cosine = face.dot(normal);
             if cosine > nearest.0 {
                 nearest = (cosine, face);

@@ -12,7 +12,7 @@ use super::near_clusters::NearClusters;
 use super::near_features::{BESIDE, NearFeatures};
 use super::pair::{Pair, ROUNDING};
 use super::search::FeatureQuery;
-use super::side::Triangle;
+use super::side::{Side, Triangle};
 use crate::parallel::loops;
 use crate::simd::lanes::Simd;
 use crate::simd::level::with_simd;
@@ -99,7 +99,8 @@ impl FeatureFinder {
         let crosses = shares.iter().any(|share| !share.segments.is_empty());
         let features = shares.iter().flat_map(|share| &share.features);
         let distance = if crosses { 0.0 } else { least_distance(features) };
-        let one_sided = pair.sides.iter().all(|side| side.features.one_sided.all());
+        // Of these only the nearest count.
+        let one_sided = pair.rounding() == 0.0 && pair.sides.iter().all(|side| side.features.one_sided.all());
         let most = if one_sided {
             distance.min(query.margin)
         } else {
@@ -150,12 +151,12 @@ impl FeatureFinder {
     }
 
     /// Writes the features that were found, in order.
-    pub fn features(&mut self, to: &mut Vec<Feature>) {
+    pub fn features(&mut self, sides: &[Side; 2], to: &mut Vec<Feature>) {
         to.clear();
         for share in &self.shares[..self.count] {
             to.extend_from_slice(&share.features);
         }
-        self.nearest.append_to(to);
+        self.nearest.append_to(sides, to);
     }
 
     /// Writes the segments that were found, in order.
@@ -260,6 +261,10 @@ impl FinderShare {
             }
         };
         let rounding = ROUNDING * f64::from(pair.pose.size);
-        crossings.segments(simd, sides, triangles, rounding, segments);
+        if sides.iter().any(Side::is_thin) {
+            crossings.segments_of_thin(sides, triangles, segments);
+        } else {
+            crossings.segments(simd, sides, triangles, rounding, segments);
+        }
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! Features of one-sided triangles count only where the bodies are nearest, and only if no other feature of the pair is
 //! nearer: bodies that rest on each other have none. The rims of open meshes have no overlap that would push them apart
-//! later, so all of their features count.
+//! later, so all of their features count. Rounded bodies touch at all places where their cores are nearest.
 
 use super::feature::{Feature, Origin, TrianglePair};
+use super::side::{Side, rounding};
 
 /// A feature must be nearer than others by this part.
 pub(crate) const NEARER: f64 = 1.0 - 1.0e-6;
@@ -15,10 +16,10 @@ pub(crate) const BESIDE: f64 = 0.1;
 /// Features between nearest points, and memory kept between pairs.
 #[derive(Default)]
 pub struct NearFeatures {
-    /// Features of one-sided triangles.
+    /// Features of one-sided triangles without rounding.
     of_solids: Vec<Feature>,
-    /// Features with a two-sided triangle.
-    of_sheets: Vec<Feature>,
+    /// Features with a two-sided triangle, or of rounded bodies.
+    all_count: Vec<Feature>,
     margin: f64,
     /// The least distance of other features.
     others: f64,
@@ -34,7 +35,7 @@ impl NearFeatures {
     /// Removes all.
     pub fn clear(&mut self) {
         self.of_solids.clear();
-        self.of_sheets.clear();
+        self.all_count.clear();
     }
 
     /// Sets the largest distance of features, and the least of other ones.
@@ -54,34 +55,35 @@ impl NearFeatures {
             let one_sided = &pair.sides[i].features.one_sided;
             one_sided.is(pair.triangles[i].number as usize)
         });
-        if one_sided {
+        if one_sided && rounding(pair.sides) == 0.0 {
             pair.nearest_features(self.most(), |feature| {
                 self.least = self.least.min(feature.separation);
                 self.of_solids.push(feature);
             });
         } else {
-            pair.nearest_features(self.margin, |feature| self.of_sheets.push(feature));
+            pair.nearest_features(self.margin, |feature| self.all_count.push(feature));
         }
     }
 
     /// Appends the features that count to the pair's other features.
-    pub fn append_to(&mut self, features: &mut Vec<Feature>) {
-        if !self.of_sheets.is_empty() {
-            self.drop_known(features);
+    pub fn append_to(&mut self, sides: &[Side; 2], features: &mut Vec<Feature>) {
+        if !self.all_count.is_empty() {
+            self.drop_known(rounding(sides) > 0.0, features);
         }
         let most = self.least + BESIDE * self.margin;
         let counts = |feature: &&Feature| feature.separation <= most;
         features.extend(self.of_solids.iter().filter(counts));
-        features.extend_from_slice(&self.of_sheets);
+        features.extend_from_slice(&self.all_count);
     }
 
-    /// Drops features of a vertex that is over a face of the other body and nearer to that, and of edges that have one.
-    fn drop_known(&mut self, features: &[Feature]) {
+    /// Drops features of edges that have one and, without rounding, of a vertex that is over a face of the other body
+    /// and nearer to that. A rounded vertex may touch a face and an edge.
+    fn drop_known(&mut self, is_rounded: bool, features: &[Feature]) {
         self.vertices.clear();
         self.edges.clear();
         for feature in features {
             match feature.origin {
-                Origin::Vertex { side, vertex } => self.vertices.push(((side, vertex), feature.separation)),
+                Origin::Vertex { side, vertex } if !is_rounded => self.vertices.push(((side, vertex), feature.separation)),
                 Origin::Edges(edges) if feature.separation >= 0.0 => self.edges.push((feature.triangles, edges)),
                 _ => {}
             }
@@ -90,7 +92,7 @@ impl NearFeatures {
             .sort_unstable_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)));
         self.edges.sort_unstable();
         let (vertices, edges) = (&self.vertices, &self.edges);
-        self.of_sheets.retain(|feature| match feature.origin {
+        self.all_count.retain(|feature| match feature.origin {
             Origin::VertexEdge { side, vertex, .. } | Origin::Vertex { side, vertex } => {
                 let first = vertices.partition_point(|(other, _)| *other < (side, vertex));
                 let known = vertices.get(first).filter(|(other, _)| *other == (side, vertex));

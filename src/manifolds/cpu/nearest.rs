@@ -8,9 +8,10 @@
 use super::candidates::squared_distance;
 use super::feature::{Feature, OUTSIDE, Origin, TrianglePair};
 use super::search::Slack;
-use super::side::{Side, Triangle};
+use super::side::{Side, Triangle, rounding};
 use crate::geometry::features::NONE;
 use crate::simd::lanes::bits;
+use crate::state::pairs::DEFAULT_DIRECTION;
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
@@ -182,9 +183,12 @@ impl TrianglePair<'_> {
                 let distance = way.length();
                 let normal = if distance > allowance.rounding {
                     way / distance
-                } else {
+                } else if outward != DVec3::ZERO || rounding(self.sides) == 0.0 {
                     // The way between points that touch is rounding only.
                     outward
+                } else {
+                    // The centres of two balls coincide.
+                    DEFAULT_DIRECTION
                 };
                 if normal != DVec3::ZERO {
                     found(Feature {

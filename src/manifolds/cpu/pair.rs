@@ -12,8 +12,9 @@ use super::near_clusters::PairPose;
 use super::ray::exits;
 use super::reduce::Reduction;
 use super::search::FeatureQuery;
-use super::side::{Side, sides};
+use super::side::{Side, rounding, sides};
 use super::smooth;
+use super::thin;
 use crate::manifolds::{MAX_POINTS, ManifoldPoint};
 use crate::state::PlacedMesh;
 use glam::{DMat3, DVec3};
@@ -66,9 +67,13 @@ impl Worker {
     /// them nor on what is kept.
     pub fn all(&mut self, pair: &Pair, margin: f32, kept: &mut Kept, threads: usize) -> &[Feature] {
         let margin = if margin > 0.0 { margin.min(f32::MAX) } else { 0.0 };
-        self.find(pair, f64::from(margin), kept, threads);
+        let rounding = pair.rounding();
+        self.find(pair, f64::from(margin) + rounding, kept, threads);
         kept.near.limit();
         kept.deep.limit();
+        if rounding > 0.0 {
+            self.features.iter_mut().for_each(|feature| feature.separation -= rounding);
+        }
         &self.features
     }
 
@@ -120,9 +125,13 @@ impl Worker {
                 0
             }
         };
-        finder.features(features);
+        finder.features(sides, features);
         contours.clear();
         finder.segments(&mut contours.segments);
+        if !contours.segments.is_empty() && sides.iter().any(Side::is_thin) {
+            features.extend(thin::push_out(sides, &contours.segments));
+            return;
+        }
         if contours.segments.is_empty() {
             // Without a crossing on the way, nothing has got inside since the search.
             let has_not_crossed = !kept.near.may_cross(fraction);
@@ -184,7 +193,7 @@ impl Worker {
             finder.find(pair, &query, &mut kept.deep, threads, |feature| {
                 contours.admits(feature, true)
             });
-            finder.features(deep);
+            finder.features(sides, deep);
             keep_shallowest(deep);
             deep.iter().for_each(|feature| contours.keep(feature));
             features.append(deep);
@@ -348,6 +357,7 @@ pub struct Pair<'a> {
     pub size: f64,
     /// Radii of the bounding spheres.
     pub radii: [f32; 2],
+
     /// From the second body's axes to the first's.
     pub relative_rotation: DMat3,
     /// From the first body's axes to the world.
@@ -374,6 +384,11 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// How far apart cores are whose rounded surfaces touch; 0 without rounding.
+    pub fn rounding(&self) -> f64 {
+        rounding(&self.sides)
+    }
+
     /// A vector in the axes of the first body, from one in world axes.
     pub fn to_first_axes(&self, v: DVec3) -> DVec3 {
         self.rotation.transpose() * v
@@ -384,9 +399,14 @@ impl<'a> Pair<'a> {
         let face_radii = [0, 1].map(|side| f64::from(self.curvature_radius(feature, side)));
         let spin = self.rotation.transpose() * spin;
         let smoothed = smooth::smoothed(&self.sides, feature, face_radii, spin);
+        let roundings = self.sides.each_ref().map(|side| side.rounding);
         let [a, b] = [0, 1].map(|i| feature.points[i] + smoothed.slides[i]);
-        let on_meshes = [a, b - self.sides[1].center].map(|anchor| self.rotation * anchor);
         let normal = (self.rotation * smoothed.normal).normalize();
+        let on_cores = [a, b - self.sides[1].center].map(|anchor| self.rotation * anchor);
+        let on_meshes = [
+            on_cores[0] + normal * roundings[0],
+            on_cores[1] - normal * roundings[1],
+        ];
         let [bulge_a, bulge_b] = smoothed.bulges;
         let anchors = [on_meshes[0] + normal * bulge_a, on_meshes[1] - normal * bulge_b];
         PairPoint {
@@ -395,7 +415,7 @@ impl<'a> Pair<'a> {
                 normal: normal.as_vec3(),
                 separation: feature.separation as f32,
                 bulge: (bulge_a + bulge_b) as f32,
-                curvature_radii: smoothed.radii.map(|radius| radius as f32),
+                curvature_radii: [0, 1].map(|i| (smoothed.radii[i] + roundings[i]) as f32),
                 normal_rotation: smoothed.normal_rotation as f32,
                 faces: [0, 1].map(|i| self.sides[i].face(feature.triangles[i])),
             },

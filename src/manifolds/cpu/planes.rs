@@ -130,8 +130,10 @@ fn manifold(
     let (frame, radius) = (&bodies.frame[body], bodies.radius[body]);
     let normal = plane.normal.as_dvec3();
     let above = normal.dot(frame.center) - plane.distance as f64;
-    let height = above as f32;
-    if height >= radius + margin {
+    let rounding = bodies.rounding[body];
+    // Of the rounded surface, if the core's vertices are at the centre.
+    let height = (above - f64::from(rounding)) as f32;
+    if above as f32 >= radius + margin {
         return None;
     }
     let local = frame.scale * (frame.rotation.transpose() * normal);
@@ -161,13 +163,13 @@ fn manifold(
             }
             let number = group as usize * CLUSTER + lane;
             let position = lane_of(eight, lane);
-            let anchor = placement * position.as_dvec3();
+            let anchor = placement * position.as_dvec3() - normal * f64::from(rounding);
             let mut vertex = LowVertex {
                 separation,
                 apart: f32::INFINITY,
                 position,
                 anchor,
-                curvature_radius: 0.0,
+                curvature_radius: rounding,
             };
             let features = &slot.features;
             let own_normal = frame.rotation * (features.vertex_normals[number].as_dvec3() / frame.scale);
@@ -179,7 +181,7 @@ fn manifold(
                     vertex.separation -= contact.bulge as f32;
                     vertex.position += (frame.rotation.transpose() * way / frame.scale).as_vec3();
                     vertex.anchor += way;
-                    vertex.curvature_radius = contact.radius as f32;
+                    vertex.curvature_radius = contact.radius as f32 + rounding;
                     vertices.push(vertex);
                 }
                 AtVertex::Elsewhere => {

@@ -15,6 +15,8 @@ pub struct Side<'a> {
     pub mesh: &'a CollisionMesh,
     pub features: &'a MeshFeatures,
     pub scale: Vec3,
+    /// Radius of the rounding. All else is that of the core.
+    pub rounding: f64,
     /// The centre of mass.
     pub center: DVec3,
     /// The other body's centre of mass.
@@ -66,6 +68,7 @@ pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2]) -> [Side<'a>; 2] {
             mesh: own.mesh,
             features: own.mesh.features(),
             scale: own.scale,
+            rounding: f64::from(own.rounding),
             center,
             other_center,
             matrix: rotation * DMat3::from_diagonal(frame.scale),
@@ -79,6 +82,11 @@ pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2]) -> [Side<'a>; 2] {
         side(a, DMat3::IDENTITY, DVec3::ZERO, DVec3::ZERO, center_b),
         side(b, to_a * b.frame.rotation, nudge, center_b, DVec3::ZERO),
     ]
+}
+
+/// How far apart cores are whose rounded surfaces touch; 0 without rounding.
+pub fn rounding([a, b]: &[Side; 2]) -> f64 {
+    a.rounding + b.rounding
 }
 
 /// Offset of the second of two bodies with equal meshes; not zero if they coincide. Coinciding surfaces have no
@@ -217,8 +225,8 @@ impl Side<'_> {
 
     #[inline]
     fn baked_normal(&self, number: u32) -> DVec3 {
-        let n = self.normal_matrix * self.features.normals[number as usize].as_dvec3();
-        n * n.length_recip()
+        // A segment has no normal.
+        (self.normal_matrix * self.features.normals[number as usize].as_dvec3()).normalize_or_zero()
     }
 
     #[inline(always)]
@@ -257,10 +265,15 @@ impl Side<'_> {
         f64::from(self.features.curvature[triangle as usize]) / flattest
     }
 
-    /// Longest side of its box along its own axes.
+    /// Whether its core is a segment or a point.
+    pub fn is_thin(&self) -> bool {
+        self.mesh.mesh.is_thin()
+    }
+
+    /// Longest side of its box along its own axes, with the rounding.
     pub fn diameter(&self) -> f64 {
         let aabb = self.mesh.lanes().aabb;
-        f64::from(((aabb.max - aabb.min) * self.scale.abs()).max_element())
+        f64::from(((aabb.max - aabb.min) * self.scale.abs()).max_element()) + 2.0 * self.rounding
     }
 
     /// Index of a triangle in the source mesh.

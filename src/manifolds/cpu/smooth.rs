@@ -7,8 +7,8 @@
 //! their path, which touch first. So such a surface touches where the smooth surface through its vertices does, which
 //! lies up to a hundredth of its radius of curvature outside of the facets.
 
-use super::feature::Feature;
-use super::side::Side;
+use super::feature::{Feature, Origin};
+use super::side::{Side, rounding};
 use crate::geometry::features::{MIN_TURN, Roundness};
 use glam::{DMat3, DVec3};
 
@@ -206,6 +206,12 @@ pub fn smoothed(sides: &[Side; 2], feature: &Feature, face_radii: [f64; 2], spin
         radii: face_radii,
         elsewhere: false,
     };
+    if let Origin::Vertices(_) = feature.origin
+        && rounding(sides) > 0.0
+    {
+        // Rounded vertices are balls.
+        flat.normal_rotation = feature.points[0].distance(feature.points[1]).recip();
+    }
     if let Some((side, vertex)) = feature.vertex() {
         let i = usize::from(side);
         match sides[i]
@@ -224,9 +230,23 @@ pub fn smoothed(sides: &[Side; 2], feature: &Feature, face_radii: [f64; 2], spin
     flat
 }
 
+/// Lower bound of the curvature of side `i` in all directions at a feature, 1/m; infinite at the end of a segment.
+pub fn curvature(sides: &[Side; 2], feature: &Feature, i: usize) -> f64 {
+    let is_vertex = match feature.origin {
+        Origin::Vertex { side, .. } | Origin::VertexEdge { side, .. } => usize::from(side) == i,
+        Origin::Vertices(_) => true,
+        _ => false,
+    };
+    if is_vertex && sides[i].is_thin() {
+        f64::INFINITY
+    } else {
+        sides[i].curvature(feature.triangles[i])
+    }
+}
+
 /// The contact of two surfaces that are convex in all directions: on the line between their centres of curvature.
 fn between_spheres(sides: &[Side; 2], feature: &Feature, face_radii: [f64; 2]) -> Option<Smoothed> {
-    let curvature = [0, 1].map(|i| sides[i].curvature(feature.triangles[i]));
+    let curvature = [0, 1].map(|i| curvature(sides, feature, i));
     if curvature.contains(&0.0) {
         return None;
     }
@@ -267,6 +287,14 @@ impl Sphere {
     /// The sphere at side `i` of a feature. A coarse surface has the sphere of this `radius` through the point.
     fn at(side: &Side, feature: &Feature, i: usize, radius: f64) -> Option<Self> {
         let (triangle, point) = (feature.triangles[i], feature.points[i]);
+        if radius == 0.0 {
+            return Some(Self {
+                center: point,
+                point,
+                normal: [feature.normal, -feature.normal][i],
+                radius: Some(0.0),
+            });
+        }
         let vertices = side.features.triangles[triangle as usize];
         let weights = weights(vertices.map(|v| side.vertex(v) - point));
         let mut sum = DVec3::ZERO;

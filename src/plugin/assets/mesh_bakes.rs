@@ -58,7 +58,7 @@ pub(crate) struct Source {
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Key {
     meshes: Vec<AssetId<Mesh>>,
-    settings: (bool, u32, u32, [u32; 2], Inward),
+    settings: (bool, u32, u32, [u32; 3], Inward),
 }
 
 enum Bake {
@@ -170,8 +170,9 @@ impl Source {
             weld_tolerance,
             inward,
             shell_thickness,
+            rounding,
         } = self.settings();
-        let tolerances = [weld_tolerance, shell_thickness].map(f32::to_bits);
+        let tolerances = [weld_tolerance, shell_thickness, rounding].map(f32::to_bits);
         Key {
             meshes: self.ids().collect(),
             settings: (faces, degrees, image, tolerances, inward),

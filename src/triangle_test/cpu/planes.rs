@@ -46,6 +46,8 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
     if height >= bodies.radius[body] {
         return None;
     }
+    let rounding = bodies.rounding[body];
+    let height = height - rounding;
     let local = frame.scale * (frame.rotation.transpose() * normal);
     let simd = baseline();
     let direction = splat_point(simd, local.as_vec3());
@@ -76,7 +78,7 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
         }
         true
     });
-    let offset: DVec3 = frame.rotation * (frame.scale * (sum / weight).as_dvec3());
+    let offset: DVec3 = frame.rotation * (frame.scale * (sum / weight).as_dvec3()) - normal * f64::from(rounding);
     (deepest > 0.0).then(|| PlaneContact {
         body: body as u32,
         plane: index,

@@ -51,6 +51,9 @@ pub struct Options {
     /// 0.01].
     #[arg(long, value_name = "PART")]
     shell_thickness: Option<f32>,
+    /// Radius of the rounding, mesh units [default: 0].
+    #[arg(long, value_name = "RADIUS")]
+    rounding: Option<f32>,
     /// Bake meshes even if they are up to date.
     #[arg(long)]
     force: bool,
@@ -93,6 +96,7 @@ impl Options {
                 Some(InwardChoice::Solid) => Inward::Solid,
             },
             shell_thickness: self.shell_thickness.unwrap_or(own.shell_thickness),
+            rounding: self.rounding.unwrap_or(own.rounding),
         }
     }
 }

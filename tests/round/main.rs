@@ -1,0 +1,6 @@
+//! Rounded meshes: balls, capsules and rounded boxes, against theory and against closed forms. No engine, no GPU.
+
+mod rolling;
+#[path = "../common/world.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod world;
