@@ -139,6 +139,7 @@ pub mod prelude {
         SpatialQuery, SpatialQueryFilter,
     };
     pub use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
+    pub use crate::plugin::shapes::{BallCollider, CapsuleCollider, ConeCollider, CuboidCollider, CylinderCollider};
     pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;

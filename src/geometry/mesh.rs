@@ -467,6 +467,10 @@ impl TriMesh {
     /// If a vertex has an invalid coordinate, or no face has an area; see [`MeshError`].
     #[cfg(feature = "bevy")]
     pub(crate) fn mapped(&self, map: impl Fn(Vec3) -> Vec3) -> Result<Self, MeshError> {
+        if self.is_thin() {
+            let [start, _, end] = self.corners(0);
+            return Self::segment([map(start), map(end)]);
+        }
         let vertices = self.vertices.iter().map(|&v| map(v)).collect();
         let mesh = Self::new(vertices, self.all_faces())?;
         Ok(Self {

@@ -4,6 +4,7 @@ use super::assets;
 use super::character::CharacterPlugin;
 use super::diagnostics::FaceoffDiagnosticsPlugin;
 use super::queries::SpatialQueryPlugin;
+use super::shapes::ShapePlugin;
 use super::step_plugin::StepPlugin;
 use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
@@ -25,6 +26,7 @@ impl PluginGroup for FaceoffPlugins {
     fn build(self) -> PluginGroupBuilder {
         let group = PluginGroupBuilder::start::<Self>()
             .add(CollisionMeshPlugin)
+            .add(ShapePlugin)
             .add(self.step)
             .add(SpatialQueryPlugin)
             .add(CharacterPlugin)

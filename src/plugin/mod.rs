@@ -57,6 +57,7 @@ mod registration;
 mod renderer;
 mod schedule;
 pub mod settings;
+pub mod shapes;
 pub mod snapshot;
 mod step_plugin;
 pub(crate) mod sync;

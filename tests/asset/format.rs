@@ -26,9 +26,9 @@ fn with_table(mesh: &TriMesh) -> CollisionMesh {
 /// Puts the checksum right after a change, as someone who means harm would.
 fn resigned(mut bytes: Vec<u8>) -> Vec<u8> {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(&bytes[..80]);
-    hasher.update(&bytes[112..]);
-    bytes[80..112].copy_from_slice(hasher.finalize().as_bytes());
+    hasher.update(&bytes[..84]);
+    hasher.update(&bytes[HEADER_LENGTH..]);
+    bytes[84..HEADER_LENGTH].copy_from_slice(hasher.finalize().as_bytes());
     bytes
 }
 
@@ -37,10 +37,10 @@ fn with_body(file: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     use lz4_flex::frame::{BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
     use std::io::{Read, Write};
     let mut body = Vec::new();
-    FrameDecoder::new(&file[112..]).read_to_end(&mut body).unwrap();
+    FrameDecoder::new(&file[HEADER_LENGTH..]).read_to_end(&mut body).unwrap();
     change(&mut body);
-    let mut out = file[..112].to_vec();
-    out[72..80].copy_from_slice(&(body.len() as u64).to_le_bytes());
+    let mut out = file[..HEADER_LENGTH].to_vec();
+    out[76..84].copy_from_slice(&(body.len() as u64).to_le_bytes());
     let mut encoder = FrameEncoder::with_frame_info(FrameInfo::new().block_size(BlockSize::Max256KB), out);
     encoder.write_all(&body).unwrap();
     resigned(encoder.finish().unwrap())
@@ -123,7 +123,7 @@ fn every_truncation_is_an_error() {
     assert_eq!(from_bytes(&longer), Err(FormatError::Checksum));
     assert!(from_bytes(&resigned(longer)).is_err());
     // Content cut off inside a frame that is right.
-    let length = u64::from_le_bytes(bytes[72..80].try_into().unwrap()) as usize;
+    let length = u64::from_le_bytes(bytes[76..84].try_into().unwrap()) as usize;
     for n in 0..length {
         from_bytes(&with_body(&bytes, |body| body.truncate(n))).unwrap_err();
     }
@@ -155,7 +155,7 @@ fn every_bit_flip_is_an_error() {
 #[test]
 fn flips_in_the_content_are_found_or_harmless() {
     let bytes = to_bytes(&with_table(&shapes::cube(1.0)), [7; 32]);
-    let length = u64::from_le_bytes(bytes[72..80].try_into().unwrap()) as usize;
+    let length = u64::from_le_bytes(bytes[76..84].try_into().unwrap()) as usize;
     for i in 0..length * 8 {
         if let Ok((mesh, _)) = from_bytes(&with_body(&bytes, |body| body[i / 8] ^= 1 << (i % 8))) {
             sound(&mesh);
@@ -215,6 +215,8 @@ fn other_versions_and_other_files_are_named() {
         (36, f32::NAN.to_bits()),
         (36, 0.0f32.to_bits()),
         (36, 0.6f32.to_bits()),
+        (40, f32::NAN.to_bits()),
+        (40, (-0.1f32).to_bits()),
     ] {
         let mut bad = bytes.clone();
         bad[offset..offset + 4].copy_from_slice(&u32::to_le_bytes(value));
@@ -228,7 +230,7 @@ fn hostile_lengths_allocate_nothing() {
     // The content's length as announced by the header.
     for length in [0, 1, 1 << 32, u64::MAX, u64::MAX / 255] {
         let mut bad = bytes.clone();
-        bad[72..80].copy_from_slice(&length.to_le_bytes());
+        bad[76..84].copy_from_slice(&length.to_le_bytes());
         assert!(
             matches!(from_bytes(&resigned(bad)), Err(FormatError::Damaged(_))),
             "{length}"

@@ -1,5 +1,7 @@
 //! Rounded meshes: balls, capsules and rounded boxes, against theory and against closed forms. No engine, no GPU.
 
+mod closed_forms;
+mod distance;
 mod rolling;
 #[path = "../common/world.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]

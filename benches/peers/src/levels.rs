@@ -69,7 +69,7 @@ impl Level {
 }
 
 /// Takes a step.
-type Step = Box<dyn FnMut()>;
+pub type Step = Box<dyn FnMut()>;
 
 fn ours(level: &Level) -> Step {
     use bevy_faceoff::prelude::*;

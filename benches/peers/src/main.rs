@@ -5,6 +5,8 @@
 //!
 //! With `--levels` it compares steps of worlds in which nearly everything is static or asleep.
 //!
+//! With `--crowds` it compares steps of balls and capsules that fall into a bin.
+//!
 //! With `--physics` it compares the accuracy of the motion instead: in bevy_faceoff, rapier3d and avian3d, the last two
 //! also with our contacts.
 //!
@@ -12,6 +14,7 @@
 //! they disagree. Each disagreement is printed.
 
 mod avian;
+mod crowds;
 mod engine;
 mod judge;
 mod levels;
@@ -74,6 +77,9 @@ struct Options {
     /// Compare steps of levels instead: ten bodies that fall beside thousands of static or sleeping ones.
     #[arg(long)]
     levels: bool,
+    /// Compare crowds of balls and capsules in a bin instead.
+    #[arg(long)]
+    crowds: bool,
     #[command(flatten)]
     physics: physics::Options,
     /// Run as the process of an engine.
@@ -115,6 +121,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let limit = Duration::from_secs(options.limit.unwrap_or(default(180, 20) as u64));
     if options.physics.physics {
         physics::compare(&options.physics, options.quick, limit);
+        return Ok(());
+    }
+    if options.crowds {
+        crowds::compare();
         return Ok(());
     }
     if options.levels {

@@ -64,17 +64,6 @@ impl Crossings {
         self.pairs.push(triangles);
     }
 
-    /// Appends where a side's core that is a segment pierces the other's faces, in order.
-    pub fn segments_of_thin(&self, sides: &[Side; 2], triangles: [&[Triangle]; 2], segments: &mut Vec<Segment>) {
-        let Some(thin) = sides.iter().position(Side::is_thin) else {
-            return;
-        };
-        segments.extend(self.pairs.iter().filter_map(|&[i, j]| {
-            let both = [&triangles[0][i as usize], &triangles[1][j as usize]];
-            piercing(both[thin], both[1 - thin], both.map(|triangle| triangle.number))
-        }));
-    }
-
     /// Appends the segments of the pairs that cross and are not coplanar, in order. `triangles` are the lists. Heights
     /// up to `rounding` are ties. Ties are broken as if the first body were slightly smaller: its corners lie below the
     /// second's planes, and the second's above its own. So contours are closed even if faces of both bodies are
@@ -101,25 +90,6 @@ impl Crossings {
             }
         }
     }
-}
-
-/// Where the segment of a thin triangle pierces a face: no length, and no crossing that it shares.
-fn piercing(thin: &Triangle, face: &Triangle, triangles: [u32; 2]) -> Option<Segment> {
-    let [from, _, to] = thin.corners;
-    let [start, end] = [from, to].map(|p| face.normal.dot(p - face.corners[0]));
-    if (start < 0.0) == (end < 0.0) {
-        return None;
-    }
-    let at = from + (to - from) * (start / (start - end));
-    let inside = (0..3).all(|k| {
-        let (p, q) = (face.corners[k], face.corners[(k + 1) % 3]);
-        (q - p).cross(at - p).dot(face.normal) * face.winding_sign >= 0.0
-    });
-    inside.then(|| Segment {
-        ends: [at; 2],
-        triangles,
-        keys: [Key::default(); 2],
-    })
 }
 
 /// Four triangles.

@@ -261,10 +261,6 @@ impl FinderShare {
             }
         };
         let rounding = ROUNDING * f64::from(pair.pose.size);
-        if sides.iter().any(Side::is_thin) {
-            crossings.segments_of_thin(sides, triangles, segments);
-        } else {
-            crossings.segments(simd, sides, triangles, rounding, segments);
-        }
+        crossings.segments(simd, sides, triangles, rounding, segments);
     }
 }

@@ -14,7 +14,7 @@ use super::reduce::Reduction;
 use super::search::FeatureQuery;
 use super::side::{Side, rounding, sides};
 use super::smooth;
-use super::thin;
+use super::thin::ThinSearch;
 use crate::manifolds::{MAX_POINTS, ManifoldPoint};
 use crate::state::PlacedMesh;
 use glam::{DMat3, DVec3};
@@ -51,6 +51,7 @@ pub(crate) const DEEPER: f64 = 1.02;
 #[derive(Default)]
 pub struct Worker {
     finder: FeatureFinder,
+    thin: ThinSearch,
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
@@ -104,12 +105,17 @@ impl Worker {
     fn find(&mut self, pair: &Pair, margin: f64, kept: &mut Kept, threads: usize) {
         let Self {
             finder,
+            thin,
             contours,
             features,
             ..
         } = self;
         let Pair { sides, size, .. } = pair;
         let touch = TOUCH * size;
+        if sides.iter().any(Side::is_thin) {
+            thin.find(sides, margin, touch, features);
+            return;
+        }
         let query = FeatureQuery {
             margin,
             range: -touch..=margin,
@@ -128,10 +134,6 @@ impl Worker {
         finder.features(sides, features);
         contours.clear();
         finder.segments(&mut contours.segments);
-        if !contours.segments.is_empty() && sides.iter().any(Side::is_thin) {
-            features.extend(thin::push_out(sides, &contours.segments));
-            return;
-        }
         if contours.segments.is_empty() {
             // Without a crossing on the way, nothing has got inside since the search.
             let has_not_crossed = !kept.near.may_cross(fraction);

@@ -1,35 +1,181 @@
-//! Cores without faces: segments and points. Their surface is all that is within the rounding of them, so while they are
-//! outside of the other body their features are all there is. A segment that has pierced the other's surface has no
-//! contour; its ends are pushed back out.
+//! Pairs with a core without faces: a segment or a point. Their features are found by one descent of the other body's
+//! tree, and closed forms.
+//!
+//! While the core is outside of the other body, its features are all there is. A segment that has pierced the other's
+//! surface has no contour; its end is pushed back out. A core inside a closed mesh is pushed out as other bodies are.
 
-use super::crossing::Segment;
-use super::feature::{Feature, Origin};
-use super::side::Side;
+use super::feature::{Feature, Origin, TrianglePair};
+use super::feature_bits::{FACE_BIT, owned_features};
+use super::inside;
+use super::near_features::NearFeatures;
+use super::side::{Side, Triangle};
+use crate::geometry::cluster::CLUSTER;
+use crate::geometry::distance::nearest;
+use crate::simd::lanes::{
+    Points, Simd, abs, add, all_le, bitmask, bits, load_points, max, min, mul, scale, splat, splat_point, sub,
+};
+use crate::simd::level::with_simd;
+use crate::simd::levels::visit;
+use crate::simd::rounding::PAD;
+use crate::state::mesh_arena::{BoxGroup, Cluster};
+use std::ops::RangeInclusive;
 
-/// The feature that pushes a segment out of the faces that it pierces: of its end that is least deep behind one of
-/// them.
-pub fn push_out(sides: &[Side; 2], segments: &[Segment]) -> Option<Feature> {
-    let thin = sides.iter().position(Side::is_thin)?;
-    let (own, other) = (&sides[thin], &sides[1 - thin]);
-    let behind = segments.iter().flat_map(|segment| {
-        let face = other.triangle(segment.triangles[1 - thin]);
-        (0..own.features.vertices.len() as u32).filter_map(move |vertex| {
-            let end = own.vertex(vertex);
-            let height = face.normal.dot(end - face.corners[0]);
-            let foot = end - face.normal * height;
-            (height < 0.0).then_some((height, segment, vertex, [end, foot], face.normal))
-        })
+/// The search of a pair, and memory kept between pairs.
+#[derive(Default)]
+pub struct ThinSearch {
+    candidates: Vec<u32>,
+    nearest: NearFeatures,
+}
+
+/// What was found besides features.
+struct Found {
+    /// The least distance of the cores.
+    least: f64,
+    /// The feature that pushes a segment out of the faces that it pierces.
+    pierced: Option<Feature>,
+}
+
+impl ThinSearch {
+    /// Writes the features within `margin` of two bodies, one of which is thin. Overlaps up to `touch` count as
+    /// touching.
+    pub fn find(&mut self, sides: &[Side; 2], margin: f64, touch: f64, features: &mut Vec<Feature>) {
+        features.clear();
+        let Some(thin) = sides.iter().position(Side::is_thin) else {
+            return;
+        };
+        self.collect(sides, thin, margin + touch);
+        let found = self.features(sides, thin, &(-touch..=margin), features);
+        if found.pierced.is_some() {
+            features.extend(found.pierced);
+            return;
+        }
+        // The nearest surface has no feature on its inner side.
+        let is_outside = features
+            .iter()
+            .any(|feature| feature.points[0].distance(feature.points[1]) <= found.least + touch);
+        if !is_outside && let Some(contact) = inside::contact(sides) {
+            features.clear();
+            features.push(contact);
+        }
+    }
+
+    /// Lists the triangles of the other side whose boxes are within `reach` of the thin core.
+    fn collect(&mut self, sides: &[Side; 2], thin: usize, reach: f64) {
+        let candidates = &mut self.candidates;
+        candidates.clear();
+        let other = &sides[1 - thin];
+        if other.is_thin() {
+            candidates.push(0);
+            return;
+        }
+        with_simd!(simd => collect(simd, &sides[thin], other, reach, candidates));
+    }
+
+    /// Adds the features with these candidates whose separation is in `range`.
+    fn features(
+        &mut self,
+        sides: &[Side; 2],
+        thin: usize,
+        range: &RangeInclusive<f64>,
+        features: &mut Vec<Feature>,
+    ) -> Found {
+        let Self { candidates, nearest } = self;
+        nearest.clear();
+        nearest.set_limits(*range.end(), 0.0);
+        let own = sides[thin].triangle(0);
+        let owned_by_thin = sides[thin].features.owned[0];
+        let mut found = Found {
+            least: f64::INFINITY,
+            pierced: None,
+        };
+        for &number in &*candidates {
+            let face = sides[1 - thin].triangle(number);
+            let both = if thin == 0 { [&own, &face] } else { [&face, &own] };
+            let Some(pair) = TrianglePair::new(sides, both, *range.end()) else {
+                continue;
+            };
+            let owned = sides[1 - thin].features.owned[number as usize] | FACE_BIT;
+            let owned = if thin == 0 { [owned_by_thin, owned] } else { [owned, owned_by_thin] };
+            pair.features(range, owned_features(owned), |feature| features.push(feature));
+            nearest.add(&pair);
+            found.least = found.least.min(distance(&own, &face));
+            let out = pierced(&sides[thin], &own, &face, thin);
+            let depth = |feature: &Option<Feature>| feature.map_or(f64::NEG_INFINITY, |feature| feature.separation);
+            if depth(&out) > depth(&found.pierced) {
+                found.pierced = out;
+            }
+        }
+        nearest.append_to(sides, features);
+        found
+    }
+}
+
+fn distance(thin: &Triangle, face: &Triangle) -> f64 {
+    nearest(&face.corners, &thin.corners).distance
+}
+
+/// The feature that pushes a segment out of a face that it pierces: of its end behind the face.
+fn pierced(side: &Side, own: &Triangle, face: &Triangle, thin: usize) -> Option<Feature> {
+    let ends = [own.corners[0], own.corners[2]];
+    let heights = ends.map(|end| face.normal.dot(end - face.corners[0]));
+    if (heights[0] < 0.0) == (heights[1] < 0.0) {
+        return None;
+    }
+    let at = ends[0] + (ends[1] - ends[0]) * (heights[0] / (heights[0] - heights[1]));
+    let inside = (0..3).all(|k| {
+        let (p, q) = (face.corners[k], face.corners[(k + 1) % 3]);
+        (q - p).cross(at - p).dot(face.normal) * face.winding_sign >= 0.0
     });
-    let (separation, segment, vertex, [end, foot], out) = behind.max_by(|p, q| p.0.total_cmp(&q.0))?;
-    let (points, normal) = if thin == 0 { ([end, foot], -out) } else { ([foot, end], out) };
-    Some(Feature {
+    let behind = usize::from(heights[1] < 0.0);
+    let (end, separation) = (ends[behind], heights[behind]);
+    let foot = end - face.normal * separation;
+    let (points, normal, triangles) = if thin == 0 {
+        ([end, foot], -face.normal, [own.number, face.number])
+    } else {
+        ([foot, end], face.normal, [face.number, own.number])
+    };
+    inside.then(|| Feature {
         points,
         normal,
         separation,
-        triangles: segment.triangles,
+        triangles,
         origin: Origin::Vertex {
             side: thin as u8,
-            vertex,
+            vertex: side.features.triangles[0][2 * behind],
         },
     })
+}
+
+/// Lists the triangles of a side whose boxes are within `reach` of a thin core's.
+#[inline(always)]
+fn collect<S: Simd>(simd: S, thin: &Side, other: &Side, reach: f64, candidates: &mut Vec<u32>) {
+    let (mesh, lanes) = (&other.mesh, other.mesh.lanes());
+    let center = mesh.mass.center.as_dvec3();
+    // In the axes of the other's mesh, scaled, about its centre of mass.
+    let [start, end] = [0, 2].map(|k| {
+        let vertex = thin.vertex(thin.features.triangles[0][k]);
+        (other.to_mesh(vertex) - center) * other.scale.as_dvec3()
+    });
+    let pad = f64::from(PAD) * (other.diameter() + thin.diameter());
+    let half = (0.5 * (end - start)).abs() + (reach + pad);
+    let (middle, half) = (splat_point(simd, (0.5 * (start + end)).as_vec3()), splat_point(simd, half.as_vec3()));
+    let (scales, sizes) = (splat_point(simd, other.scale), splat_point(simd, other.scale.abs()));
+    let meets = |center: Points<S>, extent: Points<S>| {
+        let apart = abs(sub(mul(center, scales), middle));
+        bitmask(all_le(apart, add(mul(extent, sizes), half)))
+    };
+    let met = |group: &BoxGroup| meets(load_points(simd, &group.center), load_points(simd, &group.half));
+    visit(&lanes.levels, met, |number| {
+        let cluster: &Cluster = &lanes.clusters[number as usize];
+        let [p, q, r] = [0, 1, 2].map(|k| load_points(simd, &cluster.corners[k]));
+        let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
+        let (origin, part) = (
+            splat_point(simd, (cluster.origin.as_dvec3() - center).as_vec3()),
+            splat(simd, 0.5),
+        );
+        let near = meets(add(scale(add(low, high), part), origin), scale(sub(high, low), part));
+        let first = number * CLUSTER as u32;
+        candidates.extend(bits(near & cluster.lanes).map(|lane| first + lane as u32));
+        true
+    });
 }
