@@ -15,7 +15,7 @@
 //! | `ColliderConstructor::TrimeshFromMesh` | `MeshColliderFrom(mesh)`, feature `bevy_mesh` |
 //! | `ColliderConstructorHierarchy` | `MeshColliderHierarchy`, feature `bevy_gltf` |
 //! | `Collider::half_space(normal)` | [`PlaneCollider`](crate::plugin::components::PlaneCollider) |
-//! | `Collider::sphere`, `cuboid`, `capsule`, `compound` | meshes: a ball or cube of [`geometry::shapes`](crate::geometry::shapes), `MeshColliderFrom(meshes.add(Capsule3d::new(0.3, 1.0)))`, or a file; children with `MeshCollider`s |
+//! | `Collider::sphere`, `cuboid`, `capsule`, `compound` | [`BallCollider`](crate::plugin::shapes::BallCollider), `CuboidCollider`, `CapsuleCollider`; children with colliders |
 //! | `Position`, `Rotation` | `Transform` |
 //! | `LinearVelocity`, `AngularVelocity`, `Gravity`, `GravityScale` | the same |
 //! | `ConstantForce`, `Forces::apply_force` | [`ExternalForces`](crate::types::body::ExternalForces)`::force`, which acts until you change it |

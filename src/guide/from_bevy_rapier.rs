@@ -14,6 +14,7 @@
 //! | `RigidBody::KinematicPositionBased` | `RigidBody::Kinematic` without velocity: write its `Transform` |
 //! | `RigidBody::KinematicVelocityBased` | `RigidBody::Kinematic` with a velocity |
 //! | `Collider::trimesh(..)` | [`MeshCollider`](crate::plugin::components::MeshCollider) with a handle of a [`CollisionMesh`](crate::asset::CollisionMesh) |
+//! | `Collider::ball`, `capsule_y`, `cuboid`, `cylinder`, `cone` | [`BallCollider`](crate::plugin::shapes::BallCollider), `CapsuleCollider` and others, with whole lengths instead of half ones |
 //! | `Collider::convex_decomposition(..)` | the mesh itself |
 //! | `AsyncCollider`, `AsyncSceneCollider` | `MeshColliderFrom`, feature `bevy_mesh`; `MeshColliderHierarchy`, feature `bevy_gltf` |
 //! | `Collider::halfspace(..)` | [`PlaneCollider`](crate::plugin::components::PlaneCollider) |

@@ -38,6 +38,36 @@
 //! The command `faceoff bake` writes `.faceoff` files: see `docs/COMMAND_LINE.md`, and for whole libraries of meshes
 //! `docs/LIBRARY.md`.
 //!
+//! # Round shapes
+//!
+//! A mesh may be *rounded*: its surface is then all that is within a radius of the mesh, its *core*. Edges and corners
+//! are round, and a sheet becomes thick. A point with a radius is a ball, and a segment a capsule. These are exactly
+//! round: they roll without bumps, touch flat ground in one point, and cost little.
+//!
+//! | shape | on an entity | as a mesh |
+//! |---|---|---|
+//! | a ball | [`BallCollider`] | [`CollisionMesh::ball`] |
+//! | a capsule | [`CapsuleCollider`] | [`CollisionMesh::capsule`] |
+//! | a box, with round edges if you like | [`CuboidCollider`] | [`CollisionMesh::cuboid`] |
+//! | a cylinder or a cone: a mesh of 64 sides | [`CylinderCollider`], [`ConeCollider`] | [`CollisionMesh::cylinder`], [`CollisionMesh::cone`] |
+//! | any mesh with round edges, or a thick sheet | | [`BakeSettings::rounding`], or a recipe: `settings: (rounding: 0.02)` |
+//!
+//! The rounding adds to the mesh: to keep the size of a part, make its core smaller first. A scale multiplies it by the
+//! smallest of the scale's components, so a ball stays a ball. Rays, casts and nearest points are those of the round
+//! surface; of a rounded mesh `CollisionMesh::to_bevy_mesh` shows the core.
+//!
+//! [`BallCollider`]: crate::plugin::shapes::BallCollider
+//! [`CapsuleCollider`]: crate::plugin::shapes::CapsuleCollider
+//! [`CuboidCollider`]: crate::plugin::shapes::CuboidCollider
+//! [`CylinderCollider`]: crate::plugin::shapes::CylinderCollider
+//! [`ConeCollider`]: crate::plugin::shapes::ConeCollider
+//! [`CollisionMesh::ball`]: crate::asset::CollisionMesh::ball
+//! [`CollisionMesh::capsule`]: crate::asset::CollisionMesh::capsule
+//! [`CollisionMesh::cuboid`]: crate::asset::CollisionMesh::cuboid
+//! [`CollisionMesh::cylinder`]: crate::asset::CollisionMesh::cylinder
+//! [`CollisionMesh::cone`]: crate::asset::CollisionMesh::cone
+//! [`BakeSettings::rounding`]: crate::projection::BakeSettings::rounding
+//!
 //! # Closed, open, inverted
 //!
 //! Meshes may be open or self-intersecting. When a mesh is loaded, a warning names what is unusual about it;

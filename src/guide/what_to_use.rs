@@ -12,6 +12,7 @@
 //! | make a collider from one of Bevy's meshes | `MeshColliderFrom`, with the feature `bevy_mesh` |
 //! | bound the world | [`PlaneCollider`], on an entity of its own and without a [`RigidBody`]; its normal points away from the solid side |
 //! | choose its material | [`Density`], [`Mass`], [`AngularInertia`], [`CenterOfMass`], [`Friction`], [`Restitution`]; the latter two with a [`CombineRule`] |
+//! | collide as a ball, capsule, box, cylinder or cone | [`BallCollider`], `CapsuleCollider`, `CuboidCollider`, `CylinderCollider`, `ConeCollider`: see [`meshes`](super::meshes#round-shapes) |
 //! | choose which bodies collide | [`CollisionLayers`], [`Sensor`] |
 //! | decide about pairs yourself; one-way platforms, conveyor belts | [`CollisionHooks`] in a [`CollisionHooksPlugin`], with [`ActiveCollisionHooks`] on colliders |
 //! | take a collider or body out for a while | [`ColliderDisabled`], [`RigidBodyDisabled`], or Bevy's `Disabled` |
@@ -92,6 +93,7 @@
 //! [`CollisionEventsEnabled`]: crate::plugin::components::CollisionEventsEnabled
 //! [`CollisionHooks`]: crate::plugin::hooks::CollisionHooks
 //! [`CollisionHooksPlugin`]: crate::plugin::hooks::CollisionHooksPlugin
+//! [`BallCollider`]: crate::plugin::shapes::BallCollider
 //! [`CollisionLayers`]: crate::types::body::CollisionLayers
 //! [`CollisionStart`]: crate::plugin::events::CollisionStart
 //! [`Collisions`]: crate::plugin::collisions::Collisions

@@ -28,4 +28,31 @@ impl<'a> PlacedMesh<'a> {
             rounding: bodies.rounding[i],
         }
     }
+
+    /// The ends of the core if that is a segment or a point, relative to the centre of mass, scaled, along the mesh's
+    /// axes.
+    #[inline]
+    pub fn thin_ends(&self) -> Option<[Vec3; 2]> {
+        if self.rounding == 0.0 || !self.mesh.mesh.is_thin() {
+            return None;
+        }
+        let [start, _, end] = self.mesh.mesh.corners(0);
+        Some([start, end].map(|end| self.scale * (end - self.mesh.mass.center)))
+    }
+
+    /// A point of the core that is at least as far along `u`, a vector along the mesh's axes, as all of the core, relative
+    /// to the centre of mass, scaled.
+    #[inline]
+    pub fn core_support(&self, u: Vec3) -> Vec3 {
+        match self.thin_ends() {
+            Some([start, end]) => {
+                if start.dot(u) > end.dot(u) {
+                    start
+                } else {
+                    end
+                }
+            }
+            None => self.scale * self.mesh.heights.support(self.scale * u),
+        }
+    }
 }

@@ -27,6 +27,7 @@ mod registration;
 mod reports;
 mod response;
 mod sensors;
+mod shapes;
 mod snapshots;
 mod spatial_queries;
 mod stable_keys;

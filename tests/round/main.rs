@@ -2,6 +2,9 @@
 
 mod closed_forms;
 mod distance;
+mod bounce;
+mod ghosts;
+mod rays;
 mod rolling;
 #[path = "../common/world.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]

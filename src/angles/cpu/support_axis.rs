@@ -5,7 +5,7 @@ use crate::angles::AXES;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, NearPair, PlacedMesh, View};
-use glam::{DMat3, Vec3};
+use glam::{DMat3, Mat3, Vec3};
 
 /// The pair with its best support axis and visible triangles; `None` if an axis separates the two by more than
 /// `margin`.
@@ -29,9 +29,12 @@ pub fn best_axis([a, b]: [&PlacedMesh; 2], margin: f32) -> Option<NearPair> {
     let translation = (to_a * (b.frame.center - a.frame.center)).as_vec3();
     let size = a.radius + b.radius;
     let pad = PAD * size;
-    let (heights_a, heights_b) = (&a.mesh.heights, &b.mesh.heights);
-    let (scale_a, scale_b) = (a.scale, b.scale);
+    let to_b = rotation.transpose();
 
+    let most = margin + 2.0 * pad;
+    if is_beyond_box(b, a, rotation, translation, most) || is_beyond_box(a, b, to_b, to_b * -translation, most) {
+        return None;
+    }
     let mut best = NearPair {
         bodies: [0, 1],
         rotation,
@@ -53,8 +56,8 @@ pub fn best_axis([a, b]: [&PlacedMesh; 2], margin: f32) -> Option<NearPair> {
         }
         let u = nearest / -length;
         // The support point of a scaled body along u is the scaled support point along the scaled u.
-        let pa = scale_a * heights_a.support(scale_a * u);
-        let pb = translation + rotation * (scale_b * heights_b.support(scale_b * (rotation.transpose() * -u)));
+        let pa = a.core_support(u);
+        let pb = translation + rotation * b.core_support(to_b * -u);
         let (a_below, b_above) = (pa.dot(u), pb.dot(u));
         let (a_below, b_above) = (a_below + a.rounding, b_above - b.rounding);
         let overlap = a_below - b_above;
@@ -79,4 +82,17 @@ pub fn best_axis([a, b]: [&PlacedMesh; 2], margin: f32) -> Option<NearPair> {
         nearest = from + to * t;
     }
     Some(best)
+}
+
+/// Whether a thin core is farther from the box of another body than both roundings and `distance`. Most pairs of a ball
+/// and a large box are, and this tells it soon. `rotation` leads to the other's axes, and `at` is the centre of mass of
+/// the thin one there.
+fn is_beyond_box(thin: &PlacedMesh, other: &PlacedMesh, rotation: Mat3, at: Vec3, distance: f32) -> bool {
+    let Some([start, end]) = thin.thin_ends() else {
+        return false;
+    };
+    let aabb = other.mesh.lanes().aabb;
+    let [start, end] = [start, end].map(|end| at + rotation * end - other.scale * aabb.center());
+    let half = other.scale.abs() * aabb.half_size() + (thin.rounding + other.rounding + distance);
+    (start.min(end).cmpgt(half) | start.max(end).cmplt(-half)).any()
 }

@@ -70,8 +70,10 @@ impl Worker {
         let margin = if margin > 0.0 { margin.min(f32::MAX) } else { 0.0 };
         let rounding = pair.rounding();
         self.find(pair, f64::from(margin) + rounding, kept, threads);
-        kept.near.limit();
-        kept.deep.limit();
+        if !pair.sides.iter().any(Side::is_thin) {
+            kept.near.limit();
+            kept.deep.limit();
+        }
         if rounding > 0.0 {
             self.features.iter_mut().for_each(|feature| feature.separation -= rounding);
         }

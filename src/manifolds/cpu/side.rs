@@ -270,6 +270,11 @@ impl Side<'_> {
         self.mesh.mesh.is_thin()
     }
 
+    /// Its core, if that is a point.
+    pub fn point(&self) -> Option<DVec3> {
+        (self.is_thin() && self.features.vertices.len() == 1).then(|| self.vertex(0))
+    }
+
     /// Longest side of its box along its own axes, with the rounding.
     pub fn diameter(&self) -> f64 {
         let aabb = self.mesh.lanes().aabb;

@@ -10,7 +10,7 @@ use super::inside;
 use super::near_features::NearFeatures;
 use super::side::{Side, Triangle};
 use crate::geometry::cluster::CLUSTER;
-use crate::geometry::distance::nearest;
+use crate::geometry::distance::{closest, nearest};
 use crate::simd::lanes::{
     Points, Simd, abs, add, all_le, bitmask, bits, load_points, max, min, mul, scale, splat, splat_point, sub,
 };
@@ -18,6 +18,8 @@ use crate::simd::level::with_simd;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, Cluster};
+use crate::state::pairs::DEFAULT_DIRECTION;
+use glam::DVec3;
 use std::ops::RangeInclusive;
 
 /// The search of a pair, and memory kept between pairs.
@@ -43,6 +45,10 @@ impl ThinSearch {
         let Some(thin) = sides.iter().position(Side::is_thin) else {
             return;
         };
+        if let [Some(a), Some(b)] = sides.each_ref().map(Side::point) {
+            features.extend(between_points([a, b], margin));
+            return;
+        }
         self.collect(sides, thin, margin + touch);
         let found = self.features(sides, thin, &(-touch..=margin), features);
         if found.pierced.is_some() {
@@ -110,8 +116,26 @@ impl ThinSearch {
     }
 }
 
+/// The feature of two points no farther apart than `most`.
+fn between_points([a, b]: [DVec3; 2], most: f64) -> Option<Feature> {
+    let way = b - a;
+    let distance = way.length();
+    (distance <= most).then(|| Feature {
+        points: [a, b],
+        normal: if distance > 0.0 { way / distance } else { DEFAULT_DIRECTION },
+        separation: distance,
+        triangles: [0; 2],
+        origin: Origin::Vertices([0; 2]),
+    })
+}
+
 fn distance(thin: &Triangle, face: &Triangle) -> f64 {
-    nearest(&face.corners, &thin.corners).distance
+    let [start, _, end] = thin.corners;
+    if start == end {
+        closest(start, &face.corners).distance(start)
+    } else {
+        nearest(&face.corners, &thin.corners).distance
+    }
 }
 
 /// The feature that pushes a segment out of a face that it pierces: of its end behind the face.

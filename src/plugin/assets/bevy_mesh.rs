@@ -144,9 +144,13 @@ impl CollisionMesh {
     /// A flat-shaded Bevy mesh with positions and normals, for debugging: it shows the triangles that collide.
     ///
     /// Triangles share no vertices, so that single faces can be coloured. Vertices `3 t`, `3 t + 1` and `3 t + 2` are
-    /// the corners of triangle `t` of [`BakedMesh::mesh`](crate::asset::BakedMesh::mesh).
+    /// the corners of triangle `t` of [`BakedMesh::mesh`](crate::asset::BakedMesh::mesh). Of a rounded mesh it shows the
+    /// core, but a ball or a capsule is shown as it is, smooth.
     pub fn to_bevy_mesh(&self) -> Mesh {
         let mesh = &self.mesh;
+        if mesh.is_thin() {
+            return self.round_bevy_mesh();
+        }
         let mut positions = Vec::with_capacity(3 * mesh.triangles().len());
         let mut normals = Vec::with_capacity(3 * mesh.triangles().len());
         for t in 0..mesh.triangles().len() {
@@ -159,5 +163,18 @@ impl CollisionMesh {
         Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
             .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+    }
+
+    /// A ball or a capsule, smoothly shaded.
+    fn round_bevy_mesh(&self) -> Mesh {
+        let [start, _, end] = self.mesh.corners(0);
+        let (radius, way) = (self.settings.rounding, end - start);
+        let round = if way == Vec3::ZERO {
+            Sphere::new(radius).mesh().build()
+        } else {
+            Capsule3d::new(radius, way.length()).mesh().build()
+        };
+        let turn = Quat::from_rotation_arc(Vec3::Y, way.normalize_or(Vec3::Y));
+        round.transformed_by(Transform::from_translation(0.5 * (start + end)).with_rotation(turn))
     }
 }
