@@ -58,7 +58,11 @@ impl CollisionMesh {
     /// # Errors
     /// If a length is not positive, or too large.
     pub fn cuboid(size: Vec3, rounding: f32) -> Result<Self, ShapeError> {
-        for (what, value) in [("size along x", size.x), ("size along y", size.y), ("size along z", size.z)] {
+        for (what, value) in [
+            ("size along x", size.x),
+            ("size along y", size.y),
+            ("size along z", size.z),
+        ] {
             check(what, value)?;
         }
         let rounding = check_rounding(rounding)?.min(0.5 * size.min_element());
@@ -73,7 +77,10 @@ impl CollisionMesh {
         }
         let cube = shapes::cube(1.0);
         let vertices = cube.vertices().iter().map(|p| *p * core).collect();
-        Ok(Self::rounded(&TriMesh::new(vertices, cube.triangles().to_vec())?, rounding))
+        Ok(Self::rounded(
+            &TriMesh::new(vertices, cube.triangles().to_vec())?,
+            rounding,
+        ))
     }
 
     /// A cylinder about the y axis, with its centre at the origin: a prism of [`SIDES`] sides. A `rounding` of more
@@ -98,7 +105,10 @@ impl CollisionMesh {
         check("radius", radius)?;
         check("height", height)?;
         let rounding = check_rounding(rounding)?;
-        Ok(Self::rounded(&turned([(0.0, 0.75 * height), (radius, -0.25 * height)])?, rounding))
+        Ok(Self::rounded(
+            &turned([(0.0, 0.75 * height), (radius, -0.25 * height)])?,
+            rounding,
+        ))
     }
 
     /// Bakes a mesh with a rounding.

@@ -331,10 +331,7 @@ impl Search<'_> {
         let nearest = nearest(&a, &b);
         let [own, other] = self.meshes.map(|swept| swept.rounding);
         let gap = nearest.distance - own - other;
-        Some([
-            nearest.from + (own + 0.5 * gap) * nearest.direction,
-            nearest.direction,
-        ])
+        Some([nearest.from + (own + 0.5 * gap) * nearest.direction, nearest.direction])
     }
 }
 

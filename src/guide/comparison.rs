@@ -20,7 +20,7 @@
 //! | every intersecting face pair, with segments | yes, tested against an oracle | no: contacts have ids of features, [contact types][avian3d contact_types] | no: the two triangles of each manifold, [narrow phase][bevy_rapier3d narrow_phase] | `triangle_test/exact` |
 //! | a body wholly inside a closed mesh touches it | yes, and is pushed out | no: triangles are surfaces | no: the same | `plugin/reports`, `gpu/manifolds/inside` |
 //! | rooms: closed meshes that look inward | yes | surfaces are rooms anyway | the same | `plugin/bakes` |
-//! | balls, capsules, rounded boxes as exact shapes | yes | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `round` |
+//! | balls, capsules, rounded boxes as exact shapes | yes | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `round/rolling` |
 //! | convex hulls, height fields, voxels as shapes of their own | **no**: meshes and planes | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `dynamics/planes` |
 //! | fine meshes roll as the smooth surface | yes | not needed: exact shapes | not needed: exact shapes | `dynamics/incline`, `small_games/balls` |
 //! | convex decomposition | not needed | yes: [parry][avian3d parry] | yes: [collider impl][bevy_rapier3d collider_impl] | `dynamics/meshes` |

@@ -318,7 +318,10 @@ impl Plugin for ShapePlugin {
             .register_type::<CuboidCollider>()
             .register_type::<CylinderCollider>()
             .register_type::<ConeCollider>()
-            .add_systems(FaceoffStep, follow.chain().before(FaceoffSystems::Collect).ambiguous_with_all());
+            .add_systems(
+                FaceoffStep,
+                follow.chain().before(FaceoffSystems::Collect).ambiguous_with_all(),
+            );
     }
 }
 
@@ -352,10 +355,7 @@ fn shape_inserted<T: ShapeCollider>(mut world: DeferredWorld, context: HookConte
 
 /// Sets the meshes of shapes that have changed, or whose collider a scene has replaced.
 fn follow<T: ShapeCollider>(
-    mut shapes: Query<
-        (Entity, Option<&Name>, Ref<T>, &mut MeshCollider),
-        Or<(Changed<T>, Changed<MeshCollider>)>,
-    >,
+    mut shapes: Query<(Entity, Option<&Name>, Ref<T>, &mut MeshCollider), Or<(Changed<T>, Changed<MeshCollider>)>>,
     made: Option<ResMut<ShapeMeshes>>,
     meshes: Option<ResMut<Assets<CollisionMesh>>>,
 ) {

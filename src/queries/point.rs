@@ -55,7 +55,11 @@ impl Placed<'_> {
             return None;
         }
         let (is_in_core, rounding) = (self.contains(from), self.rounding());
-        let most = if is_in_core { f64::INFINITY } else { max_distance + rounding };
+        let most = if is_in_core {
+            f64::INFINITY
+        } else {
+            max_distance + rounding
+        };
         let nearest = self.nearest(from, most)?;
         let mut hit = self.point_hit(from, &nearest, is_in_core);
         if rounding > 0.0 {

@@ -37,7 +37,9 @@ fn with_body(file: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     use lz4_flex::frame::{BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
     use std::io::{Read, Write};
     let mut body = Vec::new();
-    FrameDecoder::new(&file[HEADER_LENGTH..]).read_to_end(&mut body).unwrap();
+    FrameDecoder::new(&file[HEADER_LENGTH..])
+        .read_to_end(&mut body)
+        .unwrap();
     change(&mut body);
     let mut out = file[..HEADER_LENGTH].to_vec();
     out[76..84].copy_from_slice(&(body.len() as u64).to_le_bytes());

@@ -72,7 +72,10 @@ fn an_off_centre_impact_of_two_balls_follows_the_line_of_centres() {
         world.seconds(1);
         let line = Vec3::new((1.0 - offset * offset).sqrt(), 0.0, -offset);
         let pushed = line * (4.0 * line.x);
-        let off = [world.velocity(struck) - pushed, world.velocity(moving) - (Vec3::X * 4.0 - pushed)];
+        let off = [
+            world.velocity(struck) - pushed,
+            world.velocity(moving) - (Vec3::X * 4.0 - pushed),
+        ];
         println!("offset {offset}: off by {:?} m/s", off.map(|v| v.length()));
         // The normal is that of the substep in which they meet: it turns by half a degree in one.
         assert!(off.iter().all(|v| v.length() < 0.01 * 4.0), "{off:?}");

@@ -21,9 +21,7 @@ impl Shape {
     fn of(name: &'static str, mesh: CollisionMesh) -> Self {
         let count = mesh.mesh.triangles().len();
         Self {
-            triangles: (0..count)
-                .map(|t| mesh.mesh.corners(t).map(|p| p.as_dvec3()))
-                .collect(),
+            triangles: (0..count).map(|t| mesh.mesh.corners(t).map(|p| p.as_dvec3())).collect(),
             radius: f64::from(mesh.settings.rounding),
             is_solid: mesh.mesh.is_solid(),
             name,
@@ -72,14 +70,21 @@ pub fn all() -> Vec<Shape> {
         CollisionMesh::without_faces(mesh, settings)
     };
     let sheet = TriMesh::new(
-        vec![Vec3::new(-0.6, 0.0, -0.5), Vec3::new(0.6, 0.0, -0.5), Vec3::new(0.0, 0.0, 0.7)],
+        vec![
+            Vec3::new(-0.6, 0.0, -0.5),
+            Vec3::new(0.6, 0.0, -0.5),
+            Vec3::new(0.0, 0.0, 0.7),
+        ],
         vec![[0, 2, 1]],
     );
     vec![
         Shape::of("ball", CollisionMesh::ball(0.4).unwrap()),
         Shape::of("capsule", CollisionMesh::capsule(0.25, 0.8).unwrap()),
         Shape::of("small ball", CollisionMesh::ball(0.02).unwrap()),
-        Shape::of("rounded box", CollisionMesh::cuboid(Vec3::new(0.8, 0.5, 0.6), 0.1).unwrap()),
+        Shape::of(
+            "rounded box",
+            CollisionMesh::cuboid(Vec3::new(0.8, 0.5, 0.6), 0.1).unwrap(),
+        ),
         Shape::of("box", CollisionMesh::new(&shapes::cube(0.7))),
         Shape::of("torus", CollisionMesh::new(&shapes::torus_240())),
         Shape::of("rounded torus", rounded(&shapes::torus_240(), 0.07)),
@@ -138,12 +143,18 @@ fn compare(rounds: u32, seed: u64) -> Counts {
             assert!(!points.is_empty(), "{}", what());
             continue;
         }
-        if points.iter().any(|point| f64::from(point.separation) < -a.radius - b.radius - 1.0e-6) {
+        if points
+            .iter()
+            .any(|point| f64::from(point.separation) < -a.radius - b.radius - 1.0e-6)
+        {
             // One core is in the other.
             assert!(a.is_solid || b.is_solid, "{}", what());
             continue;
         }
-        let found = points.iter().map(|point| f64::from(point.separation)).fold(f64::INFINITY, f64::min);
+        let found = points
+            .iter()
+            .map(|point| f64::from(point.separation))
+            .fold(f64::INFINITY, f64::min);
         if truth > f64::from(margin) + 1.0e-6 {
             assert!(points.is_empty(), "{}: found {found}", what());
             counts.far += 1;
@@ -154,11 +165,17 @@ fn compare(rounds: u32, seed: u64) -> Counts {
         }
         assert!((found - truth).abs() < 2.0e-6, "{}: found {found}", what());
         counts.near += 1;
-        let deepest = points.iter().min_by(|p, q| p.separation.total_cmp(&q.separation)).unwrap();
+        let deepest = points
+            .iter()
+            .min_by(|p, q| p.separation.total_cmp(&q.separation))
+            .unwrap();
         if core.length() > 0.01 {
             let turn = deepest.normal.as_dvec3().distance(core.normalize());
             // Another place may be as near.
-            let others = points.iter().filter(|p| (p.separation - deepest.separation).abs() < 1.0e-5).count();
+            let others = points
+                .iter()
+                .filter(|p| (p.separation - deepest.separation).abs() < 1.0e-5)
+                .count();
             if others == 1 {
                 assert!(turn < 1.0e-4, "{}: the normal is off by {turn}", what());
                 counts.normals += 1;
@@ -180,4 +197,40 @@ fn random_pairs_have_the_distance_and_normal_of_the_closed_form() {
 #[ignore = "takes longer"]
 fn a_hundred_thousand_random_pairs() {
     println!("{:?}", compare(200_000, 2));
+}
+
+/// `cargo test --release --test round -- --ignored --nocapture a_ball_on_a_large_terrain`
+#[test]
+#[ignore = "a measurement"]
+fn a_ball_on_a_large_terrain() {
+    let side = 708u32;
+    let at = |i: u32, k: u32| i * (side + 1) + k;
+    let height = |i: u32, k: u32| 0.3 * ((0.7 * i as f32).sin() + (0.9 * k as f32).cos());
+    let vertices = (0..=side).flat_map(|i| (0..=side).map(move |k| Vec3::new(i as f32, height(i, k), k as f32)));
+    let faces = (0..side).flat_map(|i| {
+        (0..side).flat_map(move |k| {
+            [
+                [at(i, k), at(i, k + 1), at(i + 1, k)],
+                [at(i + 1, k), at(i, k + 1), at(i + 1, k + 1)],
+            ]
+        })
+    });
+    let terrain = CollisionMesh::new(&TriMesh::new(vertices.collect(), faces.collect()).unwrap());
+    let ground = Placed::new(&terrain, DVec3::ZERO, DQuat::IDENTITY, Vec3::ONE).unwrap();
+    let ball = CollisionMesh::ball(0.5).unwrap();
+    let mut random = fastrand::Rng::with_seed(1);
+    let places: Vec<DVec3> = (0..10_000)
+        .map(|_| DVec3::new(random.f64() * 700.0, 0.7, random.f64() * 700.0))
+        .collect();
+    let (mut worker, mut points, mut memory) = (ContactWorker::new(), Vec::new(), PairMemory::default());
+    for round in 0..3 {
+        points.clear();
+        let start = std::time::Instant::now();
+        for place in &places {
+            let ball = Placed::new(&ball, *place, DQuat::IDENTITY, Vec3::ONE).unwrap();
+            worker.manifold(&ball, &ground, 0.01, &mut memory, &mut points);
+        }
+        let each = start.elapsed().as_secs_f64() / places.len() as f64;
+        println!("round {round}: {:.2} us a ball, {} points", 1e6 * each, points.len());
+    }
 }

@@ -43,9 +43,9 @@ fn profile(from: f32, to: f32, beams: bool) -> Vec<[f32; 2]> {
 /// A profile drawn along z, with so many strips.
 fn floor(profile: &[[f32; 2]], strips: u32) -> TriMesh {
     let at = |i: usize, k: u32| i as u32 * (strips + 1) + k;
-    let vertices = profile.iter().flat_map(|&[x, y]| {
-        (0..=strips).map(move |k| Vec3::new(x, y, 128.0 * k as f32 / strips as f32 - 64.0) * UNIT)
-    });
+    let vertices = profile
+        .iter()
+        .flat_map(|&[x, y]| (0..=strips).map(move |k| Vec3::new(x, y, 128.0 * k as f32 / strips as f32 - 64.0) * UNIT));
     let mut faces = Vec::new();
     for i in 0..profile.len() - 1 {
         for k in 0..strips {
@@ -69,7 +69,11 @@ fn slide(mesh: CollisionMesh, scale: Vec3, beams: bool) -> f64 {
         ..BodyParams::default()
     };
     for (from, to, strips) in [(-256.0, 0.0, 4), (0.0, 256.0, 3)] {
-        let mesh = world.state.input.meshes.add(CollisionMesh::new(&floor(&profile(from, to, beams), strips)));
+        let mesh = world
+            .state
+            .input
+            .meshes
+            .add(CollisionMesh::new(&floor(&profile(from, to, beams), strips)));
         world.put(&Body {
             kind: RigidBody::Static,
             params: smooth,
@@ -81,14 +85,28 @@ fn slide(mesh: CollisionMesh, scale: Vec3, beams: bool) -> f64 {
     let body = world.put(&Body {
         params: smooth,
         mass: Some(500.0),
-        ..Body::at_rest(mesh, Vec3::new(-150.0 * UNIT, 0.5003 * height, 0.0), Quat::IDENTITY, scale)
+        ..Body::at_rest(
+            mesh,
+            Vec3::new(-150.0 * UNIT, 0.5003 * height, 0.0),
+            Quat::IDENTITY,
+            scale,
+        )
     });
     let (mut low, mut high) = (f64::INFINITY, 0.0f64);
     for step in 0..4 * 64 {
         let x = world.center(body).x as f32 / UNIT;
         let v = &mut world.state.input.bodies.linear_velocity[body];
-        let forward = if x > 200.0 || x < -200.0 { -x.signum() } else if v.x < 0.0 { -1.0 } else { 1.0 };
-        (v.x, v.z) = (forward * 350.0 * UNIT, if step / 64 % 2 == 0 { 20.0 } else { -20.0 } * UNIT);
+        let forward = if x > 200.0 || x < -200.0 {
+            -x.signum()
+        } else if v.x < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        (v.x, v.z) = (
+            forward * 350.0 * UNIT,
+            if step / 64 % 2 == 0 { 20.0 } else { -20.0 } * UNIT,
+        );
         world.step();
         if step > 32 {
             let y = world.center(body).y;

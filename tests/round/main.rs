@@ -1,8 +1,8 @@
 //! Rounded meshes: balls, capsules and rounded boxes, against theory and against closed forms. No engine, no GPU.
 
+mod bounce;
 mod closed_forms;
 mod distance;
-mod bounce;
 mod ghosts;
 mod rays;
 mod rolling;

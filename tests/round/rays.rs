@@ -62,18 +62,33 @@ fn rays_hit_the_round_surface_first() {
         match case.placed.cast_ray(&ray) {
             Some(hit) => {
                 hits += 1;
-                assert!(outside(hit.distance).abs() < 1.0e-7, "{} {}", case.shape.name, outside(hit.distance));
+                assert!(
+                    outside(hit.distance).abs() < 1.0e-7,
+                    "{} {}",
+                    case.shape.name,
+                    outside(hit.distance)
+                );
                 let before = (0..40).map(|i| outside(hit.distance * f64::from(i) / 40.0));
                 assert!(before.fold(f64::INFINITY, f64::min) > -1.0e-9, "{}", case.shape.name);
                 // The normal leads to the core's nearest point.
                 let to_core = case.distance([hit.point; 2]).normalize();
-                assert!((to_core + hit.normal.as_dvec3()).length() < 1.0e-4, "{}", case.shape.name);
+                assert!(
+                    (to_core + hit.normal.as_dvec3()).length() < 1.0e-4,
+                    "{}",
+                    case.shape.name
+                );
                 assert!(case.placed.hits_ray(&ray));
             }
             None => {
                 misses += 1;
-                let least = (0..400).map(|i| outside(f64::from(i) * 0.015)).fold(f64::INFINITY, f64::min);
-                assert!(least > -1.0e-9, "{}: a ray passes {least} from the surface", case.shape.name);
+                let least = (0..400)
+                    .map(|i| outside(f64::from(i) * 0.015))
+                    .fold(f64::INFINITY, f64::min);
+                assert!(
+                    least > -1.0e-9,
+                    "{}: a ray passes {least} from the surface",
+                    case.shape.name
+                );
             }
         }
     }
@@ -93,7 +108,11 @@ fn a_ray_from_inside_leaves_through_the_round_surface() {
         }
         let hit = case.placed.cast_ray(&Ray::new(origin, any(&mut random))).unwrap();
         assert!(hit.from_behind);
-        assert!((case.core_distance(hit.point) - radius).abs() < 1.0e-6, "{}", case.shape.name);
+        assert!(
+            (case.core_distance(hit.point) - radius).abs() < 1.0e-6,
+            "{}",
+            case.shape.name
+        );
         left += 1;
     }
     assert!(left > 100, "{left}");
@@ -110,7 +129,12 @@ fn nearest_points_lie_on_the_round_surface() {
         if hit.is_inside {
             assert!(truth < 1.0e-9 || case.shape.is_solid, "{}", case.shape.name);
         } else {
-            assert!((hit.distance - truth).abs() < 1.0e-7, "{}: {} for {truth}", case.shape.name, hit.distance);
+            assert!(
+                (hit.distance - truth).abs() < 1.0e-7,
+                "{}: {} for {truth}",
+                case.shape.name,
+                hit.distance
+            );
             assert!((hit.point.distance(p) - truth).abs() < 1.0e-6);
         }
     }
@@ -133,14 +157,23 @@ fn casts_stop_where_the_shapes_touch() {
         };
         if let Some(hit) = case.placed.cast(&query, start, turn, way, 10.0, &mut scratch) {
             let end = start + way.normalize() * hit.distance;
-            assert!(apart(end, turn).abs() < 1.0e-6, "{}: {} apart", case.shape.name, apart(end, turn));
+            assert!(
+                apart(end, turn).abs() < 1.0e-6,
+                "{}: {} apart",
+                case.shape.name,
+                apart(end, turn)
+            );
             hits += 1;
         }
         let at = any(&mut random);
         let truth = apart(at, turn);
         if truth.abs() > 1.0e-9 {
             let found = case.placed.overlaps(&query, at, turn);
-            assert!(found == (truth < 0.0) || found && case.shape.is_solid, "{} {truth}", case.shape.name);
+            assert!(
+                found == (truth < 0.0) || found && case.shape.is_solid,
+                "{} {truth}",
+                case.shape.name
+            );
             overlaps += u32::from(found);
         }
     }
@@ -167,7 +200,12 @@ fn rounded_meshes_cast_against_each_other_stop_where_they_touch() {
         let at = start + way * hit.distance;
         let placed: Vec<_> = other.triangles.iter().map(|t| t.map(|p| at + turn * p)).collect();
         let gap = case.shape.way_to(&case.triangles, other, &placed).length() - case.shape.radius - other.radius;
-        assert!((-1.0e-6..2.0e-6).contains(&gap), "{} and {}: {gap}", case.shape.name, other.name);
+        assert!(
+            (-1.0e-6..2.0e-6).contains(&gap),
+            "{} and {}: {gap}",
+            case.shape.name,
+            other.name
+        );
         hits += 1;
     }
     assert!(hits > 50, "{hits}");

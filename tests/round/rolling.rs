@@ -4,8 +4,8 @@ use crate::world::World;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::state::{Body, BodyParams, Plane};
-use bevy_faceoff::types::material::Friction;
 use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::material::Friction;
 use glam::{Quat, Vec3};
 
 /// Ground on which a ball rolls along x.
@@ -34,7 +34,12 @@ fn add_ground(world: &mut World, ground: Ground, length: f32) {
             world.put(&Body {
                 kind: RigidBody::Static,
                 params: rough(),
-                ..Body::at_rest(cube, Vec3::NEG_Y * 0.5, Quat::IDENTITY, Vec3::new(2.0 * length, 1.0, 8.0))
+                ..Body::at_rest(
+                    cube,
+                    Vec3::NEG_Y * 0.5,
+                    Quat::IDENTITY,
+                    Vec3::new(2.0 * length, 1.0, 8.0),
+                )
             });
         }
         Ground::Plane => {
@@ -167,7 +172,11 @@ fn capsules_and_wheels_keep_their_speed() {
     for ground in [Ground::Block, Ground::Plane] {
         let capsule = CollisionMesh::capsule(0.3, 0.8).unwrap();
         let (range, height) = roll_on_side(capsule, 0.3, ground);
-        check(&format!("capsule, {ground:?}, height changes by {height}"), range, 5.0e-3);
+        check(
+            &format!("capsule, {ground:?}, height changes by {height}"),
+            range,
+            5.0e-3,
+        );
         assert!(height < 1.0e-3, "{height}");
         let wheel = CollisionMesh::cylinder(0.3, 0.2, 0.0).unwrap();
         let (range, height) = roll_on_side(wheel, 0.3, ground);

@@ -54,8 +54,8 @@ fn capsule([start, end]: [DVec3; 2], radius: f64) -> Solid {
     let length = way.length();
     let axis = way.normalize_or(DVec3::Y);
     let (cylinder, ball) = (PI * square * length, 4.0 / 3.0 * PI * square * radius);
-    let along = cylinder * length * length / 12.0
-        + ball * (square / 5.0 + length * length / 4.0 + 3.0 / 8.0 * length * radius);
+    let along =
+        cylinder * length * length / 12.0 + ball * (square / 5.0 + length * length / 4.0 + 3.0 / 8.0 * length * radius);
     let across = cylinder * square / 4.0 + ball * square / 5.0;
     Solid {
         volume: cylinder + ball,
@@ -104,7 +104,11 @@ impl Moments {
         let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len())
             .map(|t| mesh.welded_corners(t).map(|p| p.as_dvec3()))
             .collect();
-        let sign = if is_solid && signed_volume(&triangles) < 0.0 { -1.0 } else { 1.0 };
+        let sign = if is_solid && signed_volume(&triangles) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
         let normal = |t: usize| {
             let [p, q, r] = triangles[t];
             sign * (q - p).cross(r - p).normalize_or_zero()
@@ -124,7 +128,9 @@ impl Moments {
                 [face] => {
                     let along = (ends[1] - ends[0]).normalize_or_zero();
                     let third = triangles[face].iter().map(|p| *p - ends[0]);
-                    let inward = third.map(|p| p.reject_from(along)).max_by(|p, q| p.length().total_cmp(&q.length()));
+                    let inward = third
+                        .map(|p| p.reject_from(along))
+                        .max_by(|p, q| p.length().total_cmp(&q.length()));
                     let out = -inward.unwrap_or_default().normalize_or_zero();
                     self.add_sector(ends, [normal(face), out], radius);
                     self.add_sector(ends, [out, -normal(face)], radius);
@@ -307,8 +313,10 @@ mod tests {
     fn a_rounded_cube_follows_steiner() {
         let (edge, radius) = (1.0, 0.25);
         let all = MassProperties::rounded(&shapes::cube(edge), 0.01, radius as f32);
-        let volume =
-            edge.powi(3) + 6.0 * edge * edge * radius + 3.0 * PI * radius * radius * edge + 4.0 / 3.0 * PI * radius.powi(3);
+        let volume = edge.powi(3)
+            + 6.0 * edge * edge * radius
+            + 3.0 * PI * radius * radius * edge
+            + 4.0 / 3.0 * PI * radius.powi(3);
         assert!(near(all.volume, volume), "{} for {volume}", all.volume);
         assert!(all.center.length() < 1.0e-6 && !all.approximate);
         let inertia = all.inertia(DVec3::ONE, 1.0);

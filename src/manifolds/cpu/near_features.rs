@@ -83,7 +83,9 @@ impl NearFeatures {
         self.edges.clear();
         for feature in features {
             match feature.origin {
-                Origin::Vertex { side, vertex } if !is_rounded => self.vertices.push(((side, vertex), feature.separation)),
+                Origin::Vertex { side, vertex } if !is_rounded => {
+                    self.vertices.push(((side, vertex), feature.separation))
+                }
                 Origin::Edges(edges) if feature.separation >= 0.0 => self.edges.push((feature.triangles, edges)),
                 _ => {}
             }

@@ -75,7 +75,9 @@ impl Worker {
             kept.deep.limit();
         }
         if rounding > 0.0 {
-            self.features.iter_mut().for_each(|feature| feature.separation -= rounding);
+            self.features
+                .iter_mut()
+                .for_each(|feature| feature.separation -= rounding);
         }
         &self.features
     }
@@ -407,10 +409,7 @@ impl<'a> Pair<'a> {
         let [a, b] = [0, 1].map(|i| feature.points[i] + smoothed.slides[i]);
         let normal = (self.rotation * smoothed.normal).normalize();
         let on_cores = [a, b - self.sides[1].center].map(|anchor| self.rotation * anchor);
-        let on_meshes = [
-            on_cores[0] + normal * roundings[0],
-            on_cores[1] - normal * roundings[1],
-        ];
+        let on_meshes = [on_cores[0] + normal * roundings[0], on_cores[1] - normal * roundings[1]];
         let [bulge_a, bulge_b] = smoothed.bulges;
         let anchors = [on_meshes[0] + normal * bulge_a, on_meshes[1] - normal * bulge_b];
         PairPoint {

@@ -101,7 +101,11 @@ impl ThinSearch {
                 continue;
             };
             let owned = sides[1 - thin].features.owned[number as usize] | FACE_BIT;
-            let owned = if thin == 0 { [owned_by_thin, owned] } else { [owned, owned_by_thin] };
+            let owned = if thin == 0 {
+                [owned_by_thin, owned]
+            } else {
+                [owned, owned_by_thin]
+            };
             pair.features(range, owned_features(owned), |feature| features.push(feature));
             nearest.add(&pair);
             found.least = found.least.min(distance(&own, &face));
@@ -122,7 +126,11 @@ fn between_points([a, b]: [DVec3; 2], most: f64) -> Option<Feature> {
     let distance = way.length();
     (distance <= most).then(|| Feature {
         points: [a, b],
-        normal: if distance > 0.0 { way / distance } else { DEFAULT_DIRECTION },
+        normal: if distance > 0.0 {
+            way / distance
+        } else {
+            DEFAULT_DIRECTION
+        },
         separation: distance,
         triangles: [0; 2],
         origin: Origin::Vertices([0; 2]),
@@ -182,7 +190,10 @@ fn collect<S: Simd>(simd: S, thin: &Side, other: &Side, reach: f64, candidates: 
     });
     let pad = f64::from(PAD) * (other.diameter() + thin.diameter());
     let half = (0.5 * (end - start)).abs() + (reach + pad);
-    let (middle, half) = (splat_point(simd, (0.5 * (start + end)).as_vec3()), splat_point(simd, half.as_vec3()));
+    let (middle, half) = (
+        splat_point(simd, (0.5 * (start + end)).as_vec3()),
+        splat_point(simd, half.as_vec3()),
+    );
     let (scales, sizes) = (splat_point(simd, other.scale), splat_point(simd, other.scale.abs()));
     let meets = |center: Points<S>, extent: Points<S>| {
         let apart = abs(sub(mul(center, scales), middle));
