@@ -238,6 +238,7 @@ impl Input {
             compounds: self.step.compounds,
             planes: self.step.planes,
             large_meshes: self.large_meshes,
+            rounded_meshes: self.bodies.iter().any(|body| body.rounding > 0.0),
         }
     }
 
