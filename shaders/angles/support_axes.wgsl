@@ -87,8 +87,8 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
         let u = -nearest / distance;
         let pa = scale_a * support(mesh_a.heights, scale_a * u);
         let pb = apart + rotation * (scale_b * support(mesh_b.heights, scale_b * ((-u) * rotation)));
-        let a_below = dot(pa, u);
-        let b_above = dot(pb, u);
+        let a_below = dot(pa, u) + unit * a.rounding;
+        let b_above = dot(pb, u) - unit * b.rounding;
         let overlap = a_below - b_above;
         if overlap < -2.0 * pad {
             best.near = t::NEAR;

@@ -56,8 +56,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if i >= setup.feature_count {
             at = setup.first_nearest + i - setup.feature_count;
         }
-        let feature = features[at];
-        if feature.separation != t::DROPPED && !does_count(setup, a, b, motion, feature) {
+        var feature = features[at];
+        let is_known = feature.separation != t::DROPPED;
+        // The gap between the rounded surfaces.
+        feature.separation -= sides::rounding(a, b);
+        if is_known && !does_count(setup, a, b, motion, feature) {
             features[at].separation = t::DROPPED;
             atomicStore(&any_dropped, 1u);
         }
@@ -110,8 +113,8 @@ fn does_count(setup: t::PairSetup, a: sides::Side, b: sides::Side, motion: PairM
 // Whether both surfaces are smooth and convex at the feature. The solver rotates the normal of their contact as they
 // pass each other.
 fn is_round(a: sides::Side, b: sides::Side, feature: t::Feature) -> bool {
-    return sides::max_curvature_radius(a, feature.a) < t::FLAT_RADIUS
-        && sides::max_curvature_radius(b, feature.b) < t::FLAT_RADIUS;
+    return sides::max_curvature_radius_at(a, feature.a, feature.origin) < t::FLAT_RADIUS
+        && sides::max_curvature_radius_at(b, feature.b, feature.origin) < t::FLAT_RADIUS;
 }
 
 // Whether a feature at a point arrives on the surface, or not at all.
@@ -132,15 +135,19 @@ fn arrives(
     if kind == t::OF_EDGES {
         return edges_cross(a, b, feature, course, tolerance);
     }
+    // Surfaces touch while the cores are as far apart as both roundings.
+    let apart = course.left + sides::rounding(a, b);
     if kind == t::OF_VERTICES {
-        return is_on(a, 0u, feature.point_b + course.way, course, tolerance);
+        return is_on(a, 0u, feature.point_b + course.way, apart, course.error, tolerance);
     }
     if of_second {
         let place = feature.point_b + course.way;
-        return (kind == t::OF_VERTEX && is_over(a, feature.a, place, course.error)) || is_on(a, 0u, place, course, tolerance);
+        return (kind == t::OF_VERTEX && is_over(a, feature.a, place, course.error))
+            || is_on(a, 0u, place, apart, course.error, tolerance);
     }
     let place = feature.point_a - course.way;
-    return (kind == t::OF_VERTEX && is_over(b, feature.b, place, course.error)) || is_on(b, 1u, place, course, tolerance);
+    return (kind == t::OF_VERTEX && is_over(b, feature.b, place, course.error))
+        || is_on(b, 1u, place, apart, course.error, tolerance);
 }
 
 // Bound of how far the path of a point leaves its straight way, in the axes of either body.
@@ -187,10 +194,11 @@ fn edges_cross(a: sides::Side, b: sides::Side, feature: t::Feature, course: Cour
         return true;
     }
     let place = start_a + along_a * at.x;
-    return is_on(a, 0u, place, course, tolerance) && is_on(b, 1u, place - course.way, course, tolerance);
+    return is_on(a, 0u, place, course.left, course.error, tolerance)
+        && is_on(b, 1u, place - course.way, course.left, course.error, tolerance);
 }
 
-// Whether a point lies on a side's surface, or no farther above it than what is left of the gap.
-fn is_on(side: sides::Side, end: u32, p: vec3<f32>, course: Course, tolerance: f32) -> bool {
-    return course.error <= tolerance && is_near(side, end, p, course.left + tolerance);
+// Whether a point lies on a side's core, or no farther above it than this.
+fn is_on(side: sides::Side, end: u32, p: vec3<f32>, apart: f32, error: f32, tolerance: f32) -> bool {
+    return error <= tolerance && is_near(side, end, p, apart + tolerance);
 }

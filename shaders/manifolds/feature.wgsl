@@ -18,6 +18,8 @@ struct TrianglePair {
     heights_a: vec3<f32>,
     heights_b: vec3<f32>,
     rounding: f32,
+    // Either mesh is rounded.
+    is_rounded: bool,
     // Range of the separations of features.
     low: f32,
     high: f32,
@@ -32,6 +34,9 @@ fn none() -> t::Feature {
 // Whether a point in the plane of a triangle lies within the triangle, or outside by no more than rounding. No point is
 // over a degenerate triangle.
 fn is_over(side: sides::Side, over: sides::Triangle, foot: vec3<f32>, rounding: f32) -> bool {
+    if side.is_thin {
+        return false;
+    }
     var next = sides::corner(side, over.number, 0u);
     for (var i = 0u; i < 3u; i += 1u) {
         let start = next;
@@ -126,13 +131,16 @@ fn edge_feature(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l:
         return none();
     }
     var nearest = vec4(normal, 1.0 - 0.5 * ARC * ARC);
-    nearest = nearer(nearest, normal, pair.a.normal);
-    if !rim_a {
-        nearest = nearer(nearest, normal, other_a);
-    }
-    nearest = nearer(nearest, normal, -pair.b.normal);
-    if !rim_b {
-        nearest = nearer(nearest, normal, -other_b);
+    // Between rounded surfaces normals change without steps.
+    if !pair.is_rounded {
+        nearest = nearer(nearest, normal, pair.a.normal);
+        if !rim_a {
+            nearest = nearer(nearest, normal, other_a);
+        }
+        nearest = nearer(nearest, normal, -pair.b.normal);
+        if !rim_b {
+            nearest = nearer(nearest, normal, -other_b);
+        }
     }
     var feature: t::Feature;
     feature.point_a = start_a + along_a * at_a;

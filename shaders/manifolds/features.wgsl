@@ -229,6 +229,7 @@ fn triangle_pair(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: v
     pair.heights_a = sides::heights(a, numbers.x, b, pair.b);
     pair.heights_b = sides::heights(b, numbers.y, a, pair.a);
     pair.rounding = setup.rounding;
+    pair.is_rounded = sides::rounding(a, b) > 0.0;
     if IS_DEEP {
         pair.low = -MAX_DEPTH * setup.size;
         pair.high = -setup.touch;

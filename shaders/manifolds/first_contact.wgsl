@@ -98,7 +98,9 @@ fn advance(a: sides::Side, b: sides::Side, motion: PairMotion, at: u32, number: 
         let center_b = b.center + motion.travel * time;
         points = of_triangles(moved(corners_a, now.a, a.center), moved(corners_b, now.b, center_b));
         let distance = sqrt(points.square);
-        if distance <= tolerance {
+        // The gap between the rounded surfaces.
+        let apart = distance - sides::rounding(a, b);
+        if apart <= tolerance {
             // Contacts hold what is as near as that from the start.
             is_met = round > 0u;
             time = select(t::DROPPED, time, is_met);
@@ -106,7 +108,7 @@ fn advance(a: sides::Side, b: sides::Side, motion: PairMotion, at: u32, number: 
             let approach = -dot(points.q - points.p, motion.travel) / distance;
             let speed = max(approach, 0.0) + spin;
             // Half of the tolerance, so that it arrives.
-            let gap = distance - 0.5 * tolerance;
+            let gap = apart - 0.5 * tolerance;
             time = select(t::DROPPED, time + gap / speed, gap < speed);
         }
     }
@@ -152,7 +154,7 @@ fn write_point(index: u32, a: sides::Side, b: sides::Side, motion: PairMotion) {
     feature.point_b = b.center + rotate(conjugate(now.b), first_points.q - center_b);
     feature.normal = direction(first_points.q - first_points.p);
     // A rotation may lead a point round to a place from which it does not approach along the normal.
-    feature.separation = max(dot(feature.normal, feature.point_b - feature.point_a), 0.0);
+    feature.separation = max(dot(feature.normal, feature.point_b - feature.point_a), sides::rounding(a, b));
     feature.vertex = t::NOTHING;
     feature.origin = t::OF_PATCH;
     feature.a = near_triangles[first_at].x;

@@ -1,11 +1,12 @@
-// Contact generation: containment without intersecting faces, and the shortest way out. One workgroup per pair. The
-// twin of `src/manifolds/cpu/inside.rs`.
+// Contact generation: containment without intersecting faces, and the shortest way out; and the way out for a segment
+// that pierces faces. One workgroup per pair. The twin of `src/manifolds/cpu/inside.rs` and of `thin.rs` there.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::closest::closest
 #import faceoff::containment::{contains, unfinished}
 #import faceoff::dispatch::group_index
 #import faceoff::math::direction
+#import faceoff::near_ranges::{range_count, range_of}
 #import faceoff::sides
 #import faceoff::tree
 #import faceoff::types as t
@@ -14,6 +15,7 @@
 @group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
+@group(0) @binding(6) var<storage, read> near_triangles: array<vec4<u32>>;
 
 // Most components of a mesh that are tested.
 const MAX_COMPONENTS: u32 = 1024u;
@@ -40,13 +42,93 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
     }
     workgroupBarrier();
-    var done = try_side(index, a, b, 0u, thread);
+    var done = false;
+    if agree(thread, u32(a.is_thin != b.is_thin)) == 1u {
+        if agree(thread, u32(a.is_thin)) == 1u {
+            done = push_segment_out(index, setup, a, b, thread);
+        } else {
+            done = push_segment_out(index, setup, b, a, thread);
+        }
+        if done {
+            return;
+        }
+    }
+    done = try_side(index, a, b, 0u, thread);
     if !done {
         done = try_side(index, b, a, 1u, thread);
     }
     if unfinished {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
+}
+
+// Whether the segment of `own` pierces faces. If so, its end that is least deep behind one of them is pushed out.
+fn push_segment_out(index: u32, setup: t::PairSetup, own: sides::Side, other: sides::Side, thread: u32) -> bool {
+    var depth = t::DROPPED;
+    // Twice the number of the face, plus that of the end.
+    var number = t::NOTHING;
+    let ranges = range_count(setup, atomicLoad(&contact_counters[t::NEAR_PIECES]), limits.pieces);
+    for (var i = 0u; i < ranges; i += 1u) {
+        let range = range_of(setup, i);
+        for (var k = thread; k < range.y; k += 64u) {
+            let triangles = near_triangles[range.x + k].xy;
+            let face = select(triangles.x, triangles.y, own.mark == 0u);
+            let heights = heights_if_pierced(own, other, face, setup.rounding);
+            for (var end = 0u; end < 2u; end += 1u) {
+                let place = 2u * face + end;
+                let is_less = -heights[end] < depth || (-heights[end] == depth && place < number);
+                if heights[end] < 0.0 && is_less {
+                    depth = -heights[end];
+                    number = place;
+                }
+            }
+        }
+    }
+    least(vec4(0.0, 0.0, 0.0, depth), number, thread);
+    let found = agree(thread, best_number[0]);
+    if found == t::NOTHING {
+        return false;
+    }
+    if thread == 0u {
+        let of_second = own.mark != 0u;
+        let over = sides::triangle(other, found / 2u);
+        let end = sides::corner(own, 0u, found % 2u);
+        let height = dot(over.normal, end - sides::corner(other, over.number, 0u));
+        let foot = end - over.normal * height;
+        var feature: t::Feature;
+        feature.point_a = select(end, foot, of_second);
+        feature.point_b = select(foot, end, of_second);
+        feature.normal = select(-over.normal, over.normal, of_second);
+        feature.separation = height;
+        feature.vertex = (found % 2u) | own.mark;
+        feature.origin = t::OF_VERTEX | select(0u, t::VERTEX_OF_SECOND, of_second);
+        feature.a = select(0u, over.number, of_second);
+        feature.b = select(over.number, 0u, of_second);
+        pair_setups[index].meeting_count = 0u;
+        add(index, feature);
+    }
+    return true;
+}
+
+// Heights of the ends of a segment over a face that it pierces; 0 if it does not.
+fn heights_if_pierced(own: sides::Side, other: sides::Side, number: u32, rounding: f32) -> vec2<f32> {
+    let face = sides::triangle(other, number);
+    let start = sides::corner(other, number, 0u);
+    let end_a = sides::corner(own, 0u, 0u);
+    let end_b = sides::corner(own, 0u, 1u);
+    let heights = vec2(dot(face.normal, end_a - start), dot(face.normal, end_b - start));
+    if (heights.x < 0.0) == (heights.y < 0.0) {
+        return vec2(0.0);
+    }
+    let at = end_a + (end_b - end_a) * (heights.x / (heights.x - heights.y));
+    for (var k = 0u; k < 3u; k += 1u) {
+        let p = sides::corner(other, number, k);
+        let along = sides::corner(other, number, (k + 1u) % 3u) - p;
+        if dot(cross(along, at - p), face.normal) * face.winding_sign < -rounding * length(along) {
+            return vec2(0.0);
+        }
+    }
+    return heights;
 }
 
 // Whether a component of `inner` is inside `outer`, whose position in the pair is `end`. If so, the contact replaces
@@ -165,10 +247,15 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     feature.vertex = t::NOTHING;
     feature.a = select(triangle, inner_triangle, outer_is_second);
     feature.b = select(inner_triangle, triangle, outer_is_second);
-    let at = atomicAdd(&contact_counters[t::FEATURES], 1u);
     pair_setups[index].feature_count = 0u;
     pair_setups[index].nearest_count = 0u;
     pair_setups[index].meeting_count = 0u;
+    add(index, feature);
+}
+
+// Adds a feature to those of a pair.
+fn add(index: u32, feature: t::Feature) {
+    let at = atomicAdd(&contact_counters[t::FEATURES], 1u);
     if at < limits.features {
         features[at] = feature;
         pair_setups[index].first_probe = at;

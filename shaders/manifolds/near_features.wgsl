@@ -3,7 +3,8 @@
 // `src/manifolds/cpu/near_features.rs`.
 //
 // Features of one-sided triangles count only where the bodies are nearest, and only if no other feature of the pair is
-// nearer. Features of two-sided triangles count if they add to others of the same vertices and edges.
+// nearer. Features of two-sided triangles count if they add to others of the same vertices and edges, and those of
+// rounded bodies if they add to others of the same edges.
 #import faceoff::agree::agree
 #import faceoff::constants::manifolds::{BESIDE, NEARER}
 #import faceoff::dispatch::group_index
@@ -47,11 +48,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let of_others = distance_of_others(setup, thread);
     // Rounding makes none of two equal distances the shorter one.
     let of_solids = min(setup.margin, NEARER * of_others - 2.0 * setup.rounding);
+    let is_rounded = sides::rounding(a, b) > 0.0;
     let some_two_sided = a.some_two_sided || b.some_two_sided;
-    if agree(thread, u32(!some_two_sided && of_solids <= 0.0)) == 1u {
+    if agree(thread, u32(!(some_two_sided || is_rounded) && of_solids <= 0.0)) == 1u {
         return;
     }
-    if agree(thread, u32(some_two_sided)) == 1u {
+    if agree(thread, u32(some_two_sided && !is_rounded)) == 1u {
         list_vertices(setup, thread);
     }
     found = 0u;
@@ -162,6 +164,7 @@ fn pair_of(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: vec2<u3
     pair.heights_a = sides::heights(a, numbers.x, b, pair.b);
     pair.heights_b = sides::heights(b, numbers.y, a, pair.a);
     pair.rounding = setup.rounding;
+    pair.is_rounded = sides::rounding(a, b) > 0.0;
     return pair;
 }
 
@@ -170,7 +173,7 @@ fn count_features(setup: t::PairSetup, a: sides::Side, b: sides::Side, at: u32, 
     let entry = near_triangles[at];
     let over_a = !sides::is_one_sided(a, entry.x);
     let over_b = !sides::is_one_sided(b, entry.y);
-    let is_solid = !over_a && !over_b;
+    let is_solid = !over_a && !over_b && sides::rounding(a, b) == 0.0;
     let most = select(setup.margin, of_solids, is_solid);
     var rest = vec2(0u);
     if most > 0.0 {
@@ -200,8 +203,9 @@ fn count_features(setup: t::PairSetup, a: sides::Side, b: sides::Side, at: u32, 
     near_triangles[at].w = known.x;
 }
 
-// Whether a feature of two-sided triangles counts. Features of a vertex that is nearer to a face of the other body do
-// not count, nor features of edges that have another feature.
+// Whether a feature of two-sided triangles or rounded bodies counts. Features of edges that have another feature do not
+// count. Nor do, without rounding, features of a vertex that is nearer to a face of the other body. A rounded vertex
+// may touch a face and an edge.
 fn is_news(
     setup: t::PairSetup, a: sides::Side, b: sides::Side, entry: vec4<u32>, number: u32, feature: t::Feature
 ) -> bool {
@@ -210,6 +214,9 @@ fn is_news(
     }
     if number >= EDGE_EDGES && number < OVER_SECOND {
         return ((entry.z >> (EDGE_BITS_AT + number - EDGE_EDGES)) & 1u) == 0u;
+    }
+    if sides::rounding(a, b) > 0.0 {
+        return true;
     }
     var vertex = feature.vertex;
     if number < EDGE_CORNERS {
@@ -229,7 +236,7 @@ fn write_features(
         return;
     }
     let entry = near_triangles[at];
-    let is_solid = sides::is_one_sided(a, entry.x) && sides::is_one_sided(b, entry.y);
+    let is_solid = sides::is_one_sided(a, entry.x) && sides::is_one_sided(b, entry.y) && sides::rounding(a, b) == 0.0;
     let pair = pair_of(setup, a, b, entry.xy);
     var rest = known;
     var next = place;

@@ -6,6 +6,7 @@
 
 #import faceoff::arena::words
 #import faceoff::constants::manifolds::{ALONG, OUTSIDE}
+#import faceoff::constants::shared::DEFAULT_DIRECTION
 #import faceoff::features::{TrianglePair, is_over, none}
 #import faceoff::math::direction
 #import faceoff::sides
@@ -120,6 +121,9 @@ fn edge_of(side: sides::Side, number: u32, k: u32) -> Edge {
     edge.start = sides::corner(side, number, k);
     edge.along = sides::corner(side, number, (k + 1u) % 3u) - edge.start;
     edge.square = dot(edge.along, edge.along);
+    if side.is_thin {
+        return edge;
+    }
     edge.inward = inward(edge, sides::corner(side, number, (k + 2u) % 3u));
     let other = sides::across(side, number, k);
     if other != t::NOTHING {
@@ -158,6 +162,9 @@ fn between(
     var normal = direction(outward_a - outward_b);
     if distance > pair.rounding {
         normal = way / distance;
+    } else if pair.is_rounded && all(normal == vec3(0.0)) {
+        // The centres of two balls coincide.
+        normal = DEFAULT_DIRECTION;
     }
     if all(normal == vec3(0.0)) {
         return none();

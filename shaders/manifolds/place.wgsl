@@ -75,9 +75,11 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     result.mesh_b = b.mesh;
     result.scale_a = a.scale * result.unit;
     result.scale_b = b.scale * result.unit;
+    result.rounded_a = a.rounding * result.unit;
+    result.rounded_b = b.rounding * result.unit;
     result.size = 2.0 * min(
-        max_component(meshes[a.mesh].box_half * abs(result.scale_a)),
-        max_component(meshes[b.mesh].box_half * abs(result.scale_b))
+        max_component(meshes[a.mesh].box_half * abs(result.scale_a)) + result.rounded_a,
+        max_component(meshes[b.mesh].box_half * abs(result.scale_b)) + result.rounded_b
     );
     // NaN counts as no margin. Compared by bits, which are in the order of positive numbers, because compilers may
     // assume that NaN does not occur.
@@ -85,6 +87,7 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     if bits <= INFINITE {
         result.margin = bitcast<f32>(min(bits, bitcast<u32>(WIDEST / result.unit))) * result.unit;
     }
+    result.margin += result.rounded_a + result.rounded_b;
     result.rounding = ROUNDING_SINGLE * (a.radius + b.radius) * result.unit;
     result.touch = max(TOUCH_SINGLE * result.size, 4.0 * result.rounding);
     return result;

@@ -97,10 +97,12 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     if !layers_interact(vec2(body.memberships, body.filters), vec2(plane.memberships, plane.filters)) {
         return 0u;
     }
-    let height = height_of(body, plane);
+    let above = height_of(body, plane);
+    // Height of the rounded surface, if the core's vertices are at the centre.
+    let height = above - body.rounding;
     let speed = length(body.linear_velocity) + sway(step, body, body.travel_time);
     let margin = 2.0 * MARGIN * body.radius + SAFETY * speed * body.travel_time;
-    if height >= body.radius + margin {
+    if above >= body.radius + margin {
         return 0u;
     }
     let along = body.scale * rotate(conjugate(body.rotation), plane.normal);
@@ -186,9 +188,9 @@ fn low_vertex(
     let position = vector(meshes[body.mesh].vertices + 3u * number);
     let way = contact.slide - normal * contact.bulge;
     result.position = position + (transpose(rotation) * way) / body.scale;
-    result.anchor = rotation * (body.scale * position) + way;
+    result.anchor = rotation * (body.scale * position) + way - normal * body.rounding;
     result.separation = separation - contact.bulge;
-    result.curvature_radius = contact.radius;
+    result.curvature_radius = contact.radius + body.rounding;
     result.elsewhere = contact.state == smooth::ELSEWHERE;
     return result;
 }

@@ -218,14 +218,14 @@ fn point(setup: t::PairSetup, at: u32) -> Point {
     }
     let own = smoothed.normal;
     var result: t::ContactPoint;
-    result.separation = feature.separation / setup.unit;
+    result.separation = (feature.separation - sides::rounding(a, b)) / setup.unit;
     result.bulge = (smoothed.bulge_a + smoothed.bulge_b) / setup.unit;
-    result.curvature_radius_a = in_metres(smoothed.radius_a, setup.unit);
-    result.curvature_radius_b = in_metres(smoothed.radius_b, setup.unit);
+    result.curvature_radius_a = in_metres(smoothed.radius_a + a.rounded, setup.unit);
+    result.curvature_radius_b = in_metres(smoothed.radius_b + b.rounded, setup.unit);
     let normal = rotate(setup.rotation, own);
     result.normal = normal / sqrt(dot(normal, normal));
-    let on_a = feature.point_a + (smoothed.slide_a + own * smoothed.bulge_a) - a.center;
-    let on_b = feature.point_b + (smoothed.slide_b - own * smoothed.bulge_b) - b.center;
+    let on_a = feature.point_a + (smoothed.slide_a + own * (smoothed.bulge_a + a.rounded)) - a.center;
+    let on_b = feature.point_b + (smoothed.slide_b - own * (smoothed.bulge_b + b.rounded)) - b.center;
     result.anchor_a = rotate(setup.rotation, on_a) / setup.unit;
     result.anchor_b = rotate(setup.rotation, on_b) / setup.unit;
     result.normal_rotation = smoothed.normal_rotation * setup.unit;

@@ -26,6 +26,10 @@ struct Side {
     features: u32,
     // Some triangles have no inside and outside.
     some_two_sided: bool,
+    // The mesh is a segment or a point.
+    is_thin: bool,
+    // Radius of the rounding; 0 without. All else is that of the core.
+    rounded: f32,
     // `OF_SECOND` or 0.
     mark: u32,
 }
@@ -42,6 +46,7 @@ fn first(setup: t::PairSetup) -> Side {
     let identity = mat3x3(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0));
     var side = side_of(setup.mesh_a, setup.scale_a, setup.offset_a, identity);
     side.other_center = -(b_to_a(setup) * setup.offset_b);
+    side.rounded = setup.rounded_a;
     side.mark = 0u;
     return side;
 }
@@ -49,6 +54,7 @@ fn first(setup: t::PairSetup) -> Side {
 fn second(setup: t::PairSetup) -> Side {
     var side = side_of(setup.mesh_b, setup.scale_b, setup.offset_b, b_to_a(setup));
     side.other_center = -setup.offset_a;
+    side.rounded = setup.rounded_b;
     side.mark = t::OF_SECOND;
     return side;
 }
@@ -71,7 +77,13 @@ fn side_of(mesh: u32, scale: vec3<f32>, offset: vec3<f32>, rotation: mat3x3<f32>
     side.triangle_count = meshes[mesh].triangle_count;
     side.features = meshes[mesh].features;
     side.some_two_sided = (meshes[mesh].flags & t::SOME_TWO_SIDED) != 0u;
+    side.is_thin = (meshes[mesh].flags & t::THIN) != 0u;
     return side;
+}
+
+// How far apart cores are whose rounded surfaces touch; 0 without rounding.
+fn rounding(a: Side, b: Side) -> f32 {
+    return a.rounded + b.rounded;
 }
 
 // Places a point of the mesh, given relative to its centre of mass.
@@ -179,6 +191,17 @@ fn max_curvature_radius(side: Side, number: u32) -> f32 {
     let shortest = min(scale.x, min(scale.y, scale.z));
     // The flattest point of a sphere scaled to an ellipsoid has the radius of curvature `longest^2 / shortest`.
     return longest * (longest / shortest) / curvature;
+}
+
+// `max_curvature_radius` of the core at a feature of this origin; 0 at the end of a segment.
+fn max_curvature_radius_at(side: Side, number: u32, origin: u32) -> f32 {
+    let kind = origin & t::ORIGIN_MASK;
+    let is_own = ((origin & t::VERTEX_OF_SECOND) != 0u) == (side.mark != 0u);
+    let is_vertex = kind == t::OF_VERTICES || ((kind == t::OF_VERTEX || kind == t::OF_VERTEX_EDGE) && is_own);
+    if side.is_thin && is_vertex {
+        return 0.0;
+    }
+    return max_curvature_radius(side, number);
 }
 
 fn face(side: Side, number: u32) -> u32 {

@@ -60,12 +60,12 @@ fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, face_radii: vec
     result.normal = feature.normal;
     result.radius_a = face_radii.x;
     result.radius_b = face_radii.y;
-    let radius_a = sides::max_curvature_radius(a, feature.a);
-    let radius_b = sides::max_curvature_radius(b, feature.b);
+    let radius_a = sides::max_curvature_radius_at(a, feature.a, feature.origin);
+    let radius_b = sides::max_curvature_radius_at(b, feature.b, feature.origin);
     if radius_a < t::FLAT_RADIUS && radius_b < t::FLAT_RADIUS {
         // Surfaces that are convex in all directions touch on the line between their centres of curvature.
-        let sphere_a = sphere_at(a, feature.a, feature.point_a, radius_a);
-        let sphere_b = sphere_at(b, feature.b, feature.point_b, radius_b);
+        let sphere_a = sphere_at(a, feature.a, feature.point_a, feature.normal, radius_a);
+        let sphere_b = sphere_at(b, feature.b, feature.point_b, -feature.normal, radius_b);
         // The smooth normals at two points differ by at most the angle of two facets.
         let least = 1.0 - 2.0 * SMOOTH_PAIR * SMOOTH_PAIR;
         let way = sphere_b.center - sphere_a.center;
@@ -90,6 +90,13 @@ fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, face_radii: vec
             }
             return result;
         }
+    }
+    // Overlapping features have other things in the word of the origin.
+    let is_of_vertices = (feature.origin & t::ORIGIN_MASK) == t::OF_VERTICES && feature.separation >= 0.0;
+    let apart = distance(feature.point_a, feature.point_b);
+    if is_of_vertices && sides::rounding(a, b) > 0.0 && apart > 0.0 {
+        // Rounded vertices are balls.
+        result.normal_rotation = 1.0 / apart;
     }
     if feature.vertex == t::NOTHING {
         return result;
@@ -204,8 +211,12 @@ fn orthogonal(v: vec3<f32>) -> vec3<f32> {
     return vec3(v.x * v.y * a, sign + v.y * v.y * a, -v.y);
 }
 
-// The sphere of a surface at a point of a triangle. A coarse surface has the sphere of this radius through the point.
-fn sphere_at(side: sides::Side, triangle: u32, at: vec3<f32>, radius: f32) -> Sphere {
+// The sphere of a surface at a point of a triangle. A coarse surface has the sphere of this radius through the point;
+// a point of radius 0 has the outward normal `out`.
+fn sphere_at(side: sides::Side, triangle: u32, at: vec3<f32>, out: vec3<f32>, radius: f32) -> Sphere {
+    if radius == 0.0 {
+        return Sphere(at, 0.0, out);
+    }
     let numbers = sides::vertices(side, triangle);
     let corners = mat3x3(
         sides::vertex(side, numbers.x) - at,

@@ -82,5 +82,5 @@ fn side(u: vec3<f32>, v: vec3<f32>, k: u32) -> vec3<f32> {
 // Upper bound of the height of a body along a direction.
 fn height(heights: u32, body: t::Body, back: vec4<f32>, center: vec3<f32>, direction: vec3<f32>) -> f32 {
     let local = body.scale * rotate(back, direction);
-    return dot(center, direction) + dot(local, support(heights, local));
+    return dot(center, direction) + dot(local, support(heights, local)) + body.rounding;
 }

@@ -92,7 +92,9 @@ struct Body {
     torque_acceleration: f32,
     // By gravity and the external force, m/s².
     acceleration: vec3<f32>,
-    padding: u32,
+    // Radius of the rounding, metres; 0 for most meshes. Without it the surface is that of the mesh; with it the mesh is
+    // the core.
+    rounding: f32,
 }
 
 // The collider is static or asleep, and nothing about it has changed since the last step.
@@ -442,6 +444,7 @@ struct PairSetup {
     // Longest side of the smaller body's box.
     size: f32,
     y: vec3<f32>,
+    // Largest distance of features: the speculative margin and both roundings.
     margin: f32,
     z: vec3<f32>,
     // Error bound of heights over planes.
@@ -484,6 +487,11 @@ struct PairSetup {
     // The point of first contact of such bodies.
     first_meeting: u32,
     meeting_count: u32,
+    // Radii of the roundings. Before the reduction all distances are those of the cores.
+    rounded_a: f32,
+    rounded_b: f32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 // A piece of a pair of large meshes: the parts below two nodes, and what is found there.

@@ -3,7 +3,7 @@
 #import faceoff::agree::agree
 #import faceoff::dispatch::group_index
 #import faceoff::pair_contact::{Sums, counters, report, results}
-#import faceoff::placed_pair::{near_pairs, placed}
+#import faceoff::placed_pair::{near_pairs, placed, rounding_of}
 #import faceoff::split::is_large
 #import faceoff::tree
 #import faceoff::types as t
@@ -23,7 +23,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let pair = placed(index);
-    if !is_large(pair.mesh_a, pair.mesh_b) {
+    if !is_large(pair.mesh_a, pair.mesh_b) || rounding_of(pair) > 0.0 {
         return;
     }
     let count = agree(thread, results[index].pieces);

@@ -15,6 +15,9 @@
 #import faceoff::pair_contact::{report, results}
 #import faceoff::split::is_large
 #endif
+#ifndef PIECES
+#import faceoff::placed_pair::{has_contact_points, rounding_of}
+#endif
 #import faceoff::placed_pair::{Pair, boxes_meet, near_pairs, slack_of, placed, placed_a, placed_b, to_world}
 #import faceoff::tree
 #import faceoff::triangles as tri
@@ -65,7 +68,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 #endif
     let pair = placed(index);
 #ifndef PIECES
-    if is_large(pair.mesh_a, pair.mesh_b) {
+    if has_contact_points(step, pair) {
+        if thread == 0u {
+            results[index].touching = 0u;
+        }
+        return;
+    }
+    if is_large(pair.mesh_a, pair.mesh_b) && rounding_of(pair) == 0.0 {
         if agree(thread, results[index].pieces) > 0u {
             return;
         }

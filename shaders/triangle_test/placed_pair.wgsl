@@ -47,6 +47,18 @@ fn placed(index: u32) -> Pair {
     return pair;
 }
 
+// How far apart cores are whose rounded surfaces touch; 0 without rounding.
+fn rounding_of(pair: Pair) -> f32 {
+    return pair.unit * (bodies[pair.a].rounding + bodies[pair.b].rounding);
+}
+
+// Whether a rounded pair has contact points in a step with a contact solver. They tell whether it touches.
+fn has_contact_points(step: t::Step, pair: Pair) -> bool {
+    let solid = ((bodies[pair.a].flags | bodies[pair.b].flags) & t::SENSOR) == 0u;
+    let has_mass = bodies[pair.a].inverse_mass > 0.0 || bodies[pair.b].inverse_mass > 0.0;
+    return step.substeps > 0u && solid && has_mass && rounding_of(pair) > 0.0;
+}
+
 fn slack_of(pair: Pair) -> f32 {
     return 2.0 * pair.error;
 }

@@ -51,13 +51,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if !(meets(body, plane) && above < body.radius) {
             continue;
         }
+        // Height of the rounded surface, if the core's vertices are at the centre.
+        let lowered = above - body.rounding;
         let direction = body.scale * rotate(conjugate(body.rotation), plane.normal);
         // Vertices inside, weighted by depth.
         var sum = vec4(0.0);
         var max_depth = 0.0;
         for (var n = thread; n < mesh.vertex_count; n += 64u) {
             let p = vector(mesh.vertices + 3u * n);
-            let depth = -(dot(p, direction) + above);
+            let depth = -(dot(p, direction) + lowered);
             if depth > 0.0 {
                 sum += vec4(p * depth, depth);
                 max_depth = max(max_depth, depth);
@@ -76,7 +78,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if thread == 0u {
             var anchor = vec3(0.0);
             if deepest[0] > 0.0 {
-                anchor = rotate(body.rotation, body.scale * (sums[0].xyz / sums[0].w));
+                anchor = rotate(body.rotation, body.scale * (sums[0].xyz / sums[0].w)) - plane.normal * body.rounding;
             }
             plane_contacts[at] = t::PlaneContact(anchor, deepest[0], center + anchor, index, k, 0u, 0u, 0u);
         }

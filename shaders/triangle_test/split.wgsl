@@ -1,7 +1,7 @@
 // TriangleTest: splits pairs of large meshes into pieces. One workgroup per pair. Only for steps with a large mesh.
 #import faceoff::agree::agree
 #import faceoff::dispatch::{group_index, rows}
-#import faceoff::placed_pair::{Pair, boxes_meet, near_pairs, placed}
+#import faceoff::placed_pair::{Pair, boxes_meet, near_pairs, placed, rounding_of}
 #import faceoff::split
 #import faceoff::tree
 #import faceoff::types as t
@@ -24,7 +24,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let pair = placed(index);
-    if !split::is_large(pair.mesh_a, pair.mesh_b) {
+    if !split::is_large(pair.mesh_a, pair.mesh_b) || rounding_of(pair) > 0.0 {
         return;
     }
     if thread < 2u {

@@ -1,7 +1,7 @@
 //! The meshes on the device: all in one array of words, with a header for each.
 
 use super::buffers::TooLarge;
-use super::layout::{self, INWARD, MIXED, OPEN, OUTWARD, SOLID, SOME_TWO_SIDED};
+use super::layout::{self, INWARD, MIXED, OPEN, OUTWARD, SOLID, SOME_TWO_SIDED, THIN};
 use super::mesh_features;
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
@@ -283,6 +283,7 @@ impl Packed {
         };
         let solid = if mesh.is_solid() { SOLID } else { 0 };
         let two_sided = if baked.one_sided.all() { 0 } else { SOME_TWO_SIDED };
+        let thin = if mesh.is_thin() { THIN } else { 0 };
         let aabb = slot.lanes.aabb;
         layout::Mesh {
             center: center.to_array(),
@@ -294,7 +295,7 @@ impl Packed {
             vertices,
             vertex_count,
             heights,
-            flags: orientation | solid | two_sided,
+            flags: orientation | solid | two_sided | thin,
             components: component_start,
             component_count: components.len() as u32,
             directions,

@@ -86,7 +86,7 @@ layout! {
         memberships: u32, filters: u32, source: u32, carried: u32,
         speculative_radius: f32, thickness: f32, inactive: u32, body: u32,
         travel_time: f32, center_offset: f32, force_acceleration: f32, torque_acceleration: f32,
-        acceleration: Vec3, padding: u32,
+        acceleration: Vec3, rounding: f32,
     }
     /// A moving body whose colliders are placed in it.
     Compound {
@@ -227,6 +227,7 @@ layout! {
         deep_count: u32, first_probe: u32, probe_count: u32, is_split: u32,
         spin: Vec3, first_nearest: u32,
         nearest_count: u32, has_dropped: u32, first_meeting: u32, meeting_count: u32,
+        rounded_a: f32, rounded_b: f32, padding_a: u32, padding_b: u32,
     }
     /// A piece of a pair of large meshes, and what contact generation finds there.
     NearPiece {
@@ -338,6 +339,8 @@ constants! {
     u32 OPEN = 6;
     /// Some of its triangles are two-sided.
     u32 SOME_TWO_SIDED = 8;
+    /// The mesh is a segment or a point.
+    u32 THIN = 16;
 
     /// A triangle is one-sided: a bit of what it owns.
     u32 ONE_SIDED = 64;

@@ -77,6 +77,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("shared/arena"),
         module!("shared/margins"),
         module!("shared/arm"),
+        module!("shared/closest"),
         module!("shared/tree"),
         module!("shared/split"),
         module!("shared/tensor"),

@@ -63,6 +63,7 @@ enum Steps {
     WithCompounds,
     WithPlanes,
     WithLargeMeshes,
+    WithRoundedMeshes,
 }
 
 /// The numbers on which calls and their workgroups depend.
@@ -76,6 +77,8 @@ pub struct Population {
     pub planes: u32,
     /// Whether some mesh is so large that its pairs may be split.
     pub large_meshes: bool,
+    /// Whether some body is rounded.
+    pub rounded_meshes: bool,
 }
 
 impl From<u32> for Population {
@@ -138,6 +141,12 @@ impl Call {
     /// Leaves it out of steps without large meshes.
     pub fn for_large_meshes(&mut self) -> &mut Self {
         self.steps = Steps::WithLargeMeshes;
+        self
+    }
+
+    /// Leaves it out of steps without rounded meshes.
+    pub fn for_rounded_meshes(&mut self) -> &mut Self {
+        self.steps = Steps::WithRoundedMeshes;
         self
     }
 
@@ -268,12 +277,14 @@ impl Program {
             compounds,
             planes,
             large_meshes,
+            rounded_meshes,
         } = population;
         let takes_part = |call: &&BoundCall| match call.steps {
             Steps::All => true,
             Steps::WithCompounds => compounds > 0,
             Steps::WithPlanes => planes > 0,
             Steps::WithLargeMeshes => large_meshes,
+            Steps::WithRoundedMeshes => rounded_meshes,
         };
         for call in calls.filter(takes_part) {
             pass.pass.set_pipeline(&call.pipeline);

@@ -8,7 +8,11 @@
 //! | pairs, pieces | piece | its triangles |
 //! | pairs | pair | the triangles of all other pairs |
 //! | join | pair | the contacts of large pairs |
+//! | rounded | pair | the triangles within the roundings, of pairs whose cores do not touch |
 //! | number hits | (face pair) | their numbers within their pair |
+//!
+//! Rounded pairs are not split. In a step with contacts those that push each other are left out: their contact points
+//! tell whether they touch.
 //!
 //! In a round a workgroup opens a pair of nodes or tests 64 pairs of triangles. A piece takes at most 129 rounds, or
 //! 8,321 with the larger nodes; a pair that is not split at most 133,200. `benches/results/gpu.md` says how long that
@@ -33,6 +37,8 @@ const PIECES: Kernel = kernel!("triangle_test/pairs", "PIECES");
 const SPLIT: Kernel = kernel!("triangle_test/split");
 /// Puts together what pieces have found.
 const JOIN: Kernel = kernel!("triangle_test/join");
+/// Finds where pairs touch that are rounded.
+const ROUNDED: Kernel = kernel!("triangle_test/rounded");
 /// Numbers the intersecting faces of pieces.
 const NUMBER_HITS: Kernel = kernel!("triangle_test/number_hits");
 /// Finds the vertices inside planes.
@@ -52,7 +58,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("triangle_test/placed_pair"),
         module!("triangle_test/pair_contact"),
     ],
-    kernels: &[&SPLIT, &PIECES, &PAIRS, &JOIN, &NUMBER_HITS, &PLANES],
+    kernels: &[&SPLIT, &PIECES, &PAIRS, &JOIN, &ROUNDED, &NUMBER_HITS, &PLANES],
 };
 
 /// Adds this stage's calls.
@@ -64,6 +70,7 @@ pub fn record(calls: &mut Calls, capacity: &Capacity) {
         .for_large_meshes();
     calls.call(&PAIRS, per_pair);
     calls.call(&JOIN, per_pair).for_large_meshes();
+    calls.call(&ROUNDED, per_pair).for_rounded_meshes();
     // Superfluous workgroups return at once.
     calls
         .call(&NUMBER_HITS, Groups::Exactly(capacity.hits.div_ceil(64)))

@@ -208,6 +208,7 @@ pub fn smoothed(sides: &[Side; 2], feature: &Feature, face_radii: [f64; 2], spin
     };
     if let Origin::Vertices(_) = feature.origin
         && rounding(sides) > 0.0
+        && feature.points[0] != feature.points[1]
     {
         // Rounded vertices are balls.
         flat.normal_rotation = feature.points[0].distance(feature.points[1]).recip();

@@ -147,7 +147,7 @@ mod tests {
         assert_eq!([batches(0, 0), batches(1, 15), batches(100, 15)], [1, 1, 1]);
         assert_eq!([batches(100, 16), batches(100, 31), batches(100, 47)], [2, 2, 3]);
         // Poses of pairs take memory too.
-        assert_eq!(batches(190_000, 0), 3);
+        assert_eq!(batches(180_000, 0), 3);
         assert_eq!(batches(u32::MAX, 4000), MAX_BATCHES);
     }
 

@@ -16,7 +16,7 @@
 //! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
 //! | admit | pair | features that agree with the patches; the patches without an overlapping feature, or too deep for any |
 //! | ray | pair | rays out of patches without an overlapping feature, and from the vertices that reach deepest there |
-//! | inside | pair | containment |
+//! | inside | pair | containment; segments that pierce faces |
 //! | reduce | pair | contact reduction, to at most 16 points |
 //! | planes | body | contact points on planes |
 //! | compound anchors | (slot) | anchors on colliders of compounds |
@@ -45,6 +45,9 @@
 //! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
 //! loose contour ends of a pair are not tied, and only 1024 components of a mesh are tested for containment.
+//!
+//! Rounded bodies have the distances of their cores until the reduction, where both roundings are taken off. Without
+//! rounding nothing changes.
 //!
 //! Points of first contact are searched for among the triangles within the margin, and colliders of compounds turn
 //! about their own centres meanwhile. What comes nearer than a quarter of the rest offset touches there.
@@ -161,7 +164,6 @@ pub const SHADERS: Shaders = Shaders {
         module!("manifolds/nearest"),
         module!("manifolds/known_vertices"),
         module!("manifolds/near_ranges"),
-        module!("manifolds/closest"),
         module!("manifolds/surface"),
         module!("manifolds/pair_motion"),
         module!("manifolds/smooth"),

@@ -27,6 +27,7 @@ pub struct SolverInput {
     /// Number of planes, which are the last of them.
     planes: u32,
     large_meshes: bool,
+    rounded_meshes: bool,
     host_states: Vec<layout::MotionState>,
     forces: Vec<layout::BodyForces>,
     remap: BodyRemap,
@@ -147,6 +148,7 @@ impl SolverInput {
             bodies: upload::bodies(&bodies),
             planes: planes.len() as u32,
             large_meshes,
+            rounded_meshes: placed.rounding.iter().any(|&rounding| rounding > 0.0),
             host_states,
             forces: bodies.forces.iter().map(upload::forces).collect(),
             remap,
@@ -191,6 +193,7 @@ impl SolverInput {
             compounds: self.remap.compounds.len() as u32,
             planes: self.planes,
             large_meshes: self.large_meshes,
+            rounded_meshes: self.rounded_meshes,
         }
     }
 

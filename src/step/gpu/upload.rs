@@ -238,6 +238,7 @@ impl Input {
             compounds: self.step.compounds,
             planes: self.step.planes,
             large_meshes: self.large_meshes,
+            rounded_meshes: self.bodies.iter().any(|body| body.rounding > 0.0),
         }
     }
 
@@ -397,6 +398,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
         force_acceleration,
         torque_acceleration,
         acceleration: bodies.acceleration(i, state.config.gravity).to_array(),
+        rounding: bodies.rounding[i],
         source: carried.map_or(0, |carried| carried.source),
         carried: carried.map_or(0, |carried| carried.bits()),
         body: bodies.body_of(i as u32),

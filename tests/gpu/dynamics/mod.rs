@@ -35,6 +35,7 @@ mod rims;
 #[path = "../../dynamics/rolling.rs"]
 #[allow(dead_code, unused_imports)]
 mod rolling;
+mod rounded;
 #[path = "../../dynamics/same_bits.rs"]
 mod same_bits;
 mod sleep;
@@ -93,6 +94,11 @@ pub const TESTS: &[Test] = &tests! {
     a_ball_rolls_down_a_half_space: assert!(incline::rolling_error(10.0, true, 1).abs() < 0.03);
     what_rolls_on_a_mesh_keeps_its_speed: rolling::keep_their_speed(rolling::Ground::Block, 48);
     what_rolls_on_a_half_space_keeps_its_speed: rolling::keep_their_speed(rolling::Ground::HalfSpace, 48);
+    a_ball_keeps_its_speed_on_a_block: rounded::balls_roll(rounded::Ground::Block);
+    a_ball_keeps_its_speed_on_a_half_space: rounded::balls_roll(rounded::Ground::HalfSpace);
+    a_capsule_keeps_its_speed_on_a_block: rounded::capsules_roll(rounded::Ground::Block);
+    rounded_bodies_touch_as_on_the_cpu: rounded::reports();
+    a_heap_of_rounded_bodies_comes_to_rest: rounded::comes_to_rest();
     a_squeezed_knot_keeps_angular_momentum_and_energy: spin::keeps_turning(Vec3::new(6.0, 0.5, 6.0), 5);
     a_knot_that_spins_about_its_middle_axis_flips: assert!(spin::flips(spin::axes()[1], 12) >= 1);
     a_chain_of_four_hangs_is_shaken_and_holds: chain::hangs_and_is_shaken(4, [3, 2, 1]);

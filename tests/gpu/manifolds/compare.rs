@@ -91,7 +91,8 @@ fn size(state: &StepState, bodies: [u32; 2]) -> f32 {
             return f32::INFINITY;
         }
         let aabb = state.input.meshes[state.input.bodies.mesh[i]].lanes.aabb;
-        ((aabb.max - aabb.min) * state.input.bodies.scale[i].abs()).max_element()
+        let core = ((aabb.max - aabb.min) * state.input.bodies.scale[i].abs()).max_element();
+        core + 2.0 * state.input.bodies.rounding[i]
     };
     of(bodies[0]).min(of(bodies[1]))
 }

@@ -19,6 +19,7 @@ mod nearest;
 mod nearest_pairs;
 mod planes;
 mod rims;
+mod rounded;
 mod same_bits;
 
 use crate::gpu::Test;
@@ -48,6 +49,12 @@ pub const TESTS: &[Test] = &[
     ("half_spaces", planes::half_spaces),
     ("half_spaces_under_round_ones", planes::round_ones),
     ("half_spaces_among_pairs", planes::among_pairs),
+    ("rounded_balls_and_balls", rounded::balls_and_balls),
+    ("rounded_balls_and_meshes", rounded::balls_and_meshes),
+    ("rounded_capsules_and_others", rounded::capsules_and_others),
+    ("rounded_boxes_and_others", rounded::rounded_boxes_and_others),
+    ("rounded_balls_in_one_place", rounded::balls_in_one_place),
+    ("rounded_half_spaces", rounded::half_spaces),
     ("bad_pairs", bad::bad_pairs),
     ("a_margin_around_everything", bad::a_margin_around_everything),
     ("nothing_at_all", bad::nothing_at_all),

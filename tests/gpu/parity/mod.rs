@@ -9,6 +9,7 @@ mod inputs;
 mod large;
 mod overflow;
 mod pairs;
+mod rounded;
 mod same_bits;
 mod scene;
 mod scenes;
@@ -78,5 +79,6 @@ pub const TESTS: &[Test] = &[
         "little_memory_suffices_for_many_pairs",
         batches::little_memory_suffices_for_many_pairs,
     ),
+    ("rounded_bodies_touch_as_on_the_cpu", rounded::same_pairs),
     ("the_cpu_asks_for_nothing", work::the_cpu_asks_for_nothing),
 ];

@@ -24,7 +24,8 @@ fn closest(p: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> 
     let va = ab_at_b * ac_at_c - ab_at_c * ac_at_b;
     let vb = ab_at_c * ac_at_a - ab_at_a * ac_at_c;
     let vc = ab_at_a * ac_at_b - ab_at_b * ac_at_a;
-    if vc <= 0.0 && ab_at_a >= 0.0 && ab_at_b <= 0.0 {
+    // A segment has no area but what rounding gives it.
+    if all(b == c) || (vc <= 0.0 && ab_at_a >= 0.0 && ab_at_b <= 0.0) {
         // Welded corners leave an edge of zero length.
         return a + ab * (ab_at_a / max(ab_at_a - ab_at_b, 1.0e-30));
     }
