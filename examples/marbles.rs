@@ -183,7 +183,7 @@ fn bowl() -> TriMesh {
 
 /// Lets go a marble at the top every one and a half seconds, and those that are wanted.
 fn let_go(mut commands: Commands, mut wanted: ResMut<Wanted>, mut step: Local<u64>, marbles: Query<&Marble>) {
-    let due = *step % MARBLES.1 == 0 && *step / MARBLES.1 < u64::from(MARBLES.0);
+    let due = step.is_multiple_of(MARBLES.1) && *step / MARBLES.1 < u64::from(MARBLES.0);
     *step += 1;
     let count = std::mem::take(&mut wanted.0) + u32::from(due);
     for i in 0..count.min(1) {

@@ -96,7 +96,7 @@ fn slide(mesh: CollisionMesh, scale: Vec3, beams: bool) -> f64 {
     for step in 0..4 * 64 {
         let x = world.center(body).x as f32 / UNIT;
         let v = &mut world.state.input.bodies.linear_velocity[body];
-        let forward = if x > 200.0 || x < -200.0 {
+        let forward = if !(-200.0..=200.0).contains(&x) {
             -x.signum()
         } else if v.x < 0.0 {
             -1.0
