@@ -34,7 +34,8 @@ use serde::{Deserialize, Serialize};
 /// `DefaultPlugins` contains, and after [`FaceoffPlugins`](crate::plugin::FaceoffPlugins).
 ///
 /// The target of an event is the collider. Events bubble up to its body if the body is above it. `HitData` has the
-/// point and the normal in the world, the distance from the near plane of the camera, and a [`RayHitData`], which
+/// point and the normal in the world, the distance from the near plane of the camera, and a
+/// [`RayHitData`](crate::plugin::queries::RayHitData), which
 /// `HitData::extra_as` gives: the face, for example. Bevy's `Pickable` decides whether a collider gets events, and
 /// whether colliders behind it do.
 ///
