@@ -162,6 +162,9 @@ impl CollisionMesh {
     ) -> Result<Self, Cancelled> {
         // A bake without a face table can be cancelled too.
         progress.advance(0)?;
+        // A segment has no faces.
+        let faces = settings.faces && !self.mesh.is_thin();
+        let settings = BakeSettings { faces, ..settings };
         if settings == self.settings {
             return Ok(self.clone());
         }

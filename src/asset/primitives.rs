@@ -10,6 +10,9 @@ use thiserror::Error;
 /// The sides of cylinders and cones.
 pub const SIDES: u32 = 64;
 
+/// The largest rounding, in units of a shape's size: something is left of the core.
+const MOST_ROUND: f32 = 0.499;
+
 /// Why a shape cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ShapeError {
@@ -41,19 +44,21 @@ impl CollisionMesh {
     }
 
     /// A capsule: all that is within `radius` of a segment of the y axis about the origin. `length` is that of the
-    /// segment, without the half balls at its ends.
+    /// segment, without the half balls at its ends; 0 makes it a ball.
     ///
     /// # Errors
-    /// If a length is not positive, or too large.
+    /// If the radius is not positive, the length is negative, or one of them is too large.
     pub fn capsule(radius: f32, length: f32) -> Result<Self, ShapeError> {
         check("radius", radius)?;
-        check("length", length)?;
+        if length != 0.0 {
+            check("length", length)?;
+        }
         let end = 0.5 * length * Vec3::Y;
         Ok(Self::rounded(&TriMesh::segment([-end, end])?, radius))
     }
 
     /// A box about the origin with edges of these lengths. A `rounding` of more than 0 is taken off the box first, so
-    /// that it keeps its size; it is at most half of the shortest edge.
+    /// that it keeps its size; it is a little less than half of the shortest edge at most.
     ///
     /// # Errors
     /// If a length is not positive, or too large.
@@ -65,16 +70,8 @@ impl CollisionMesh {
         ] {
             check(what, value)?;
         }
-        let rounding = check_rounding(rounding)?.min(0.5 * size.min_element());
+        let rounding = check_rounding(rounding)?.min(MOST_ROUND * size.min_element());
         let core = size - 2.0 * rounding;
-        if core.max_element() <= 0.0 {
-            return Self::ball(rounding);
-        }
-        // A box that is round all over has a flat or a thin core.
-        let is_thin = core.cmple(Vec3::ZERO).bitmask().count_ones();
-        if is_thin == 2 {
-            return Ok(Self::rounded(&TriMesh::segment([-0.5 * core, 0.5 * core])?, rounding));
-        }
         let cube = shapes::cube(1.0);
         let vertices = cube.vertices().iter().map(|p| *p * core).collect();
         Ok(Self::rounded(
@@ -91,7 +88,7 @@ impl CollisionMesh {
     pub fn cylinder(radius: f32, height: f32, rounding: f32) -> Result<Self, ShapeError> {
         check("radius", radius)?;
         check("height", height)?;
-        let rounding = check_rounding(rounding)?.min(0.499 * height).min(0.999 * radius);
+        let rounding = check_rounding(rounding)?.min(MOST_ROUND * height).min(2.0 * MOST_ROUND * radius);
         let rings = [0.5, -0.5].map(|y| (radius - rounding, y * (height - 2.0 * rounding)));
         Ok(Self::rounded(&turned(rings)?, rounding))
     }

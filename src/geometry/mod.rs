@@ -17,6 +17,7 @@ pub mod mesh;
 mod mesh_error;
 mod one_sided;
 pub mod repair;
+pub(crate) mod rounding;
 pub mod shapes;
 mod slivers;
 mod thickness;

@@ -54,7 +54,7 @@
 //!
 //! The rounding adds to the mesh: to keep the size of a part, make its core smaller first. A scale multiplies it by the
 //! smallest of the scale's components, so a ball stays a ball. Rays, casts and nearest points are those of the round
-//! surface; of a rounded mesh `CollisionMesh::to_bevy_mesh` shows the core.
+//! surface.
 //!
 //! [`BallCollider`]: crate::plugin::shapes::BallCollider
 //! [`CapsuleCollider`]: crate::plugin::shapes::CapsuleCollider

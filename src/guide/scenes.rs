@@ -79,6 +79,7 @@
 //! | `faceoff_density`, `faceoff_friction`, `faceoff_restitution` | a number |
 //! | `faceoff_layers`, `faceoff_filters` | a layer from 0 to 31, or a list of them |
 //! | `faceoff_body`, of an object only | `"dynamic"`, `"kinematic"` or `"static"`: a body of its own, with all that is below it |
+//! | `faceoff_rounding` | the radius of round edges: see [`meshes`](super::meshes#round-shapes) |
 //! | `faceoff_mass`, with `faceoff_body` | kilograms |
 //!
 //! The log and the event name everything that cannot be read, with its node and file.

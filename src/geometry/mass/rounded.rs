@@ -1,19 +1,13 @@
 //! The mass of a rounded mesh: of all that is within a radius of it.
 //!
-//! Around a convex core this is Steiner's formula, with moments: a prism on each face, a sector of a cylinder along
-//! each edge, and a sector of a ball at each vertex. Where faces meet in a groove their prisms overlap, and the overlap
-//! counts once. Segments and points have a closed form.
+//! Around a convex core this is Steiner's formula, with moments: see [`rounding`]. Segments and points have a closed
+//! form.
 
 use super::{MassBasis, MassProperties, Solid, outer};
 use crate::geometry::TriMesh;
+use crate::geometry::rounding::{self, Rounding};
 use glam::{DMat3, DVec3};
-use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
-
-/// The largest angle of a slice of a cylinder or of a ball, radians.
-const SLICE: f64 = 0.1;
-/// Faces with a smaller angle between their normals are coplanar, radians.
-const FLAT: f64 = 1.0e-6;
 
 impl MassProperties {
     /// The mass of all that is within `radius` of the mesh; [`MassProperties::with_shell`] for a radius of 0.
@@ -36,7 +30,7 @@ impl MassProperties {
         if is_solid {
             (sum.volume, sum.second) = (f64::from(core.volume), core.second_moment.as_dmat3());
         }
-        let is_convex = sum.add_rounding(mesh, radius, is_solid);
+        let is_convex = rounding::visit(mesh, radius, is_solid, &mut sum);
         let thickness = 2.0 * radius + if is_solid { f64::from(core.thickness) } else { 0.0 };
         let mut all = sum.solid().rounded(thickness, MassBasis::Solid, 0.0);
         all.approximate |= core.approximate || !is_convex;
@@ -99,135 +93,6 @@ impl Moments {
         self.add([c, d, e, f], weight);
     }
 
-    /// Adds the space within `radius` outside of a mesh, on both sides of a sheet. Tells whether all edges are convex.
-    fn add_rounding(&mut self, mesh: &TriMesh, radius: f64, is_solid: bool) -> bool {
-        let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len())
-            .map(|t| mesh.welded_corners(t).map(|p| p.as_dvec3()))
-            .collect();
-        let sign = if is_solid && signed_volume(&triangles) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
-        let normal = |t: usize| {
-            let [p, q, r] = triangles[t];
-            sign * (q - p).cross(r - p).normalize_or_zero()
-        };
-        let sides: &[f64] = if is_solid { &[1.0] } else { &[1.0, -1.0] };
-        for (t, corners) in triangles.iter().enumerate() {
-            for side in sides {
-                let up = normal(t) * (radius * side);
-                self.add_prism(*corners, corners.map(|p| p + up), 1.0);
-            }
-        }
-        let mut is_convex = is_solid;
-        let mut is_concave_at = HashSet::new();
-        for ([u, v], faces) in faces_of_edges(mesh) {
-            let ends = [u, v].map(|v| mesh.vertices()[v as usize].as_dvec3());
-            match faces[..] {
-                [face] => {
-                    let along = (ends[1] - ends[0]).normalize_or_zero();
-                    let third = triangles[face].iter().map(|p| *p - ends[0]);
-                    let inward = third
-                        .map(|p| p.reject_from(along))
-                        .max_by(|p, q| p.length().total_cmp(&q.length()));
-                    let out = -inward.unwrap_or_default().normalize_or_zero();
-                    self.add_sector(ends, [normal(face), out], radius);
-                    self.add_sector(ends, [out, -normal(face)], radius);
-                }
-                [one, other] => {
-                    let middle = |t: usize| (triangles[t][0] + triangles[t][1] + triangles[t][2]) / 3.0;
-                    // The other face lies below the plane of a face at a convex edge.
-                    let height = normal(one).dot(middle(other) - ends[0]);
-                    for side in sides {
-                        let normals = [one, other].map(|t| normal(t) * *side);
-                        if normals[0].angle_between(normals[1]) < FLAT {
-                            continue;
-                        }
-                        if height * side < 0.0 {
-                            self.add_sector(ends, normals, radius);
-                        } else {
-                            self.take_groove(ends, normals, radius);
-                            is_convex = false;
-                            is_concave_at.extend([u, v]);
-                        }
-                    }
-                }
-                _ => is_convex = false,
-            }
-        }
-        if is_solid {
-            for (vertex, normals) in normals_around(mesh, normal) {
-                if !is_concave_at.contains(&vertex) {
-                    self.add_corner(mesh.vertices()[vertex as usize].as_dvec3(), &normals, radius);
-                }
-            }
-        }
-        is_convex
-    }
-
-    /// Adds the sector of a cylinder along an edge, between two normals.
-    fn add_sector(&mut self, ends: [DVec3; 2], [from, to]: [DVec3; 2], radius: f64) {
-        let angle = from.angle_between(to);
-        let axis = from.cross(to).normalize_or_zero();
-        let slices = (angle / SLICE).ceil().max(1.0);
-        let slice = angle / slices;
-        // The triangles of the slices have the area of the sector.
-        let radius = radius * (slice / slice.sin()).sqrt();
-        let at = |i: f64| (from * (slice * i).cos() + axis.cross(from) * (slice * i).sin()) * radius;
-        for i in 0..slices as u32 {
-            let (p, q) = (at(f64::from(i)), at(f64::from(i) + 1.0));
-            let [near, far] = ends.map(|end| [end, end + p, end + q]);
-            self.add_prism(near, far, 1.0);
-        }
-    }
-
-    /// Takes away what the prisms on both sides of a groove have in common.
-    fn take_groove(&mut self, ends: [DVec3; 2], [one, other]: [DVec3; 2], radius: f64) {
-        let middle = (one + other).normalize_or_zero();
-        let tip = middle * (radius / middle.dot(one).max(0.1));
-        for normal in [one, other] {
-            let [near, far] = ends.map(|end| [end, end + normal * radius, end + tip]);
-            self.add_prism(near, far, -1.0);
-        }
-    }
-
-    /// Adds the sector of a ball at a vertex, between the normals of its faces.
-    fn add_corner(&mut self, at: DVec3, normals: &[DVec3], radius: f64) {
-        let middle = normals.iter().sum::<DVec3>().normalize_or_zero();
-        // By their angle about the middle.
-        let (u, v) = middle.any_orthonormal_pair();
-        let angle = |n: &DVec3| n.dot(v).atan2(n.dot(u));
-        let mut around = normals.to_vec();
-        around.sort_by(|p, q| angle(p).total_cmp(&angle(q)));
-        for (i, from) in around.iter().enumerate() {
-            let to = around[(i + 1) % around.len()];
-            self.add_spherical_triangle(at, [middle, *from, to], radius);
-        }
-    }
-
-    /// Adds the cone from a point to a triangle on the unit sphere, times the radius.
-    fn add_spherical_triangle(&mut self, at: DVec3, corners: [DVec3; 3], radius: f64) {
-        let [a, b, c] = corners;
-        let longest = a.angle_between(b).max(b.angle_between(c)).max(c.angle_between(a));
-        if longest > SLICE {
-            let [p, q, r] = [a + b, b + c, c + a].map(DVec3::normalize_or_zero);
-            for part in [[a, p, r], [p, b, q], [r, q, c], [p, q, r]] {
-                self.add_spherical_triangle(at, part, radius);
-            }
-            return;
-        }
-        let det = a.dot(b.cross(c)).abs();
-        if det == 0.0 {
-            return;
-        }
-        // Van Oosterom and Strackee, "The solid angle of a plane triangle", 1983. The cone has the volume of the
-        // sector.
-        let solid_angle = 2.0 * det.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
-        let radius = radius * (2.0 * solid_angle / det).cbrt();
-        self.add([at, at + a * radius, at + b * radius, at + c * radius], 1.0);
-    }
-
     fn solid(&self) -> Solid {
         let center = self.first / self.volume;
         Solid {
@@ -238,45 +103,38 @@ impl Moments {
     }
 }
 
-fn signed_volume(triangles: &[[DVec3; 3]]) -> f64 {
-    triangles.iter().map(|[p, q, r]| p.dot(q.cross(*r))).sum()
-}
-
-/// The triangles at each edge, in the order of triangles.
-fn faces_of_edges(mesh: &TriMesh) -> Vec<([u32; 2], Vec<usize>)> {
-    let mut numbers = HashMap::new();
-    let mut all: Vec<([u32; 2], Vec<usize>)> = Vec::new();
-    for (t, triangle) in mesh.triangles().iter().enumerate() {
-        let corners = triangle.map(|v| mesh.welded()[v as usize]);
-        for k in 0..3 {
-            let (u, v) = (corners[k], corners[(k + 1) % 3]);
-            if u != v {
-                let edge = [u.min(v), u.max(v)];
-                let number = *numbers.entry(edge).or_insert_with(|| {
-                    all.push((edge, Vec::new()));
-                    all.len() - 1
-                });
-                all[number].1.push(t);
-            }
-        }
+impl Rounding for Moments {
+    fn face(&mut self, corners: [DVec3; 3], up: DVec3) {
+        self.add_prism(corners, corners.map(|p| p + up), 1.0);
     }
-    all
-}
 
-/// The different normals of the faces at each vertex, in the order of vertices.
-fn normals_around(mesh: &TriMesh, normal: impl Fn(usize) -> DVec3) -> Vec<(u32, Vec<DVec3>)> {
-    let mut around: Vec<Vec<DVec3>> = vec![Vec::new(); mesh.vertices().len()];
-    for (t, triangle) in mesh.triangles().iter().enumerate() {
-        for v in triangle {
-            let normals = &mut around[mesh.welded()[*v as usize] as usize];
-            let own = normal(t);
-            if normals.iter().all(|other| other.angle_between(own) > FLAT) {
-                normals.push(own);
-            }
-        }
+    fn slice(&mut self, ends: [DVec3; 2], [p, q]: [DVec3; 2]) {
+        // The triangles of the slices have the area of the sector.
+        let angle = p.angle_between(q);
+        let wider = (angle / angle.sin()).sqrt();
+        let [near, far] = ends.map(|end| [end, end + p * wider, end + q * wider]);
+        self.add_prism(near, far, 1.0);
     }
-    let corners = (0..).zip(around).filter(|(_, normals)| normals.len() > 2);
-    corners.collect()
+
+    fn groove(&mut self, ends: [DVec3; 2], [up, tip]: [DVec3; 2]) {
+        let [near, far] = ends.map(|end| [end, end + up, end + tip]);
+        self.add_prism(near, far, -1.0);
+    }
+
+    fn corner(&mut self, at: DVec3, corners: [DVec3; 3]) {
+        let radius = corners[0].length();
+        let [a, b, c] = corners.map(|p| p / radius);
+        let det = a.dot(b.cross(c)).abs();
+        if det == 0.0 {
+            return;
+        }
+        // Van Oosterom and Strackee, "The solid angle of a plane triangle", 1983. The cone has the volume of the
+        // sector.
+        let solid_angle = 2.0 * det.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        let wider = (2.0 * solid_angle / det).cbrt();
+        let [a, b, c] = corners.map(|p| at + p * wider);
+        self.add([at, a, b, c], 1.0);
+    }
 }
 
 #[cfg(test)]

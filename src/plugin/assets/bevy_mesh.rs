@@ -4,8 +4,10 @@
 //! [`BakeSettings::weld_tolerance`](crate::projection::BakeSettings) closes it.
 
 use crate::asset::collision_mesh::CollisionMesh;
+use crate::geometry::rounding::{self, Rounding};
 use crate::geometry::{MeshError, TriMesh};
 use bevy::asset::RenderAssetUsages;
+use bevy::math::DVec3;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use thiserror::Error;
@@ -144,12 +146,18 @@ impl CollisionMesh {
     /// A flat-shaded Bevy mesh with positions and normals, for debugging: it shows the triangles that collide.
     ///
     /// Triangles share no vertices, so that single faces can be coloured. Vertices `3 t`, `3 t + 1` and `3 t + 2` are
-    /// the corners of triangle `t` of [`BakedMesh::mesh`](crate::asset::BakedMesh::mesh). Of a rounded mesh it shows the
-    /// core, but a ball or a capsule is shown as it is, smooth.
+    /// the corners of triangle `t` of [`BakedMesh::mesh`](crate::asset::BakedMesh::mesh). A rounded mesh is
+    /// smooth instead, and its triangles are those of its round surface.
     pub fn to_bevy_mesh(&self) -> Mesh {
         let mesh = &self.mesh;
         if mesh.is_thin() {
             return self.round_bevy_mesh();
+        }
+        if self.settings.rounding > 0.0 {
+            let mut surface = RoundSurface::default();
+            let is_solid = mesh.is_solid();
+            rounding::visit(mesh, f64::from(self.settings.rounding), is_solid, &mut surface);
+            return mesh_of(surface.positions, surface.normals);
         }
         let mut positions = Vec::with_capacity(3 * mesh.triangles().len());
         let mut normals = Vec::with_capacity(3 * mesh.triangles().len());
@@ -160,9 +168,7 @@ impl CollisionMesh {
             positions.extend(corners.map(|corner| corner.to_array()));
             normals.extend([normal.to_array(); 3]);
         }
-        Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        mesh_of(positions, normals)
     }
 
     /// A ball or a capsule, smoothly shaded.
@@ -176,5 +182,51 @@ impl CollisionMesh {
         };
         let turn = Quat::from_rotation_arc(Vec3::Y, way.normalize_or(Vec3::Y));
         round.transformed_by(Transform::from_translation(0.5 * (start + end)).with_rotation(turn))
+    }
+}
+
+/// A mesh of triangles that share no vertices.
+fn mesh_of(positions: Vec<[f32; 3]>, normals: Vec<[f32; 3]>) -> Mesh {
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+}
+
+/// The triangles of a rounded surface.
+#[derive(Default)]
+struct RoundSurface {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+}
+
+impl RoundSurface {
+    /// Adds a triangle, given by points of the core and the vectors from there to the surface.
+    fn add(&mut self, mut corners: [(DVec3, DVec3); 3]) {
+        let [a, b, c] = corners.map(|(at, up)| at + up);
+        let out = corners[0].1 + corners[1].1 + corners[2].1;
+        if (b - a).cross(c - a).dot(out) < 0.0 {
+            corners.swap(1, 2);
+        }
+        self.positions
+            .extend(corners.map(|(at, up)| (at + up).as_vec3().to_array()));
+        self.normals
+            .extend(corners.map(|(_, up)| up.normalize_or_zero().as_vec3().to_array()));
+    }
+}
+
+impl Rounding for RoundSurface {
+    fn face(&mut self, corners: [DVec3; 3], up: DVec3) {
+        self.add(corners.map(|corner| (corner, up)));
+    }
+
+    fn slice(&mut self, [start, end]: [DVec3; 2], [p, q]: [DVec3; 2]) {
+        self.add([(start, p), (end, p), (end, q)]);
+        self.add([(start, p), (end, q), (start, q)]);
+    }
+
+    fn groove(&mut self, _: [DVec3; 2], _: [DVec3; 2]) {}
+
+    fn corner(&mut self, at: DVec3, radii: [DVec3; 3]) {
+        self.add(radii.map(|up| (at, up)));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::error::PropertyError;
 use super::settings::Layer;
+use crate::geometry::mesh::MAX_COORDINATE;
 use crate::plugin::components::{Density, Mass};
 use crate::types::body::{CollisionLayers, RigidBody};
 use crate::types::material::{Friction, Restitution};
@@ -15,9 +16,20 @@ const FRICTION: &str = "faceoff_friction";
 const RESTITUTION: &str = "faceoff_restitution";
 const LAYERS: &str = "faceoff_layers";
 const FILTERS: &str = "faceoff_filters";
+const ROUNDING: &str = "faceoff_rounding";
 
 /// All properties.
-pub(super) const KNOWN: [&str; 8] = [COLLIDER, BODY, MASS, DENSITY, FRICTION, RESTITUTION, LAYERS, FILTERS];
+pub(super) const KNOWN: [&str; 9] = [
+    COLLIDER,
+    BODY,
+    MASS,
+    DENSITY,
+    FRICTION,
+    RESTITUTION,
+    LAYERS,
+    FILTERS,
+    ROUNDING,
+];
 
 /// What has properties.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -99,6 +111,13 @@ fn set(layer: &mut Layer, key: &str, value: &Value) -> Result<(), PropertyError>
         RESTITUTION => {
             let number = number(|r| (0.0..=1.0).contains(&r), "a number from 0 to 1")?;
             settings.restitution = Some(Restitution::new(number));
+        }
+        ROUNDING => {
+            let rounding = number(
+                |r| (0.0..=MAX_COORDINATE).contains(&r),
+                "a number of mesh units, 0 or more",
+            )?;
+            settings.bake.get_or_insert_default().rounding = rounding;
         }
         LAYERS | FILTERS => {
             let bits = layer_bits(value).ok_or(wrong("a layer from 0 to 31, or a list of them"))?;

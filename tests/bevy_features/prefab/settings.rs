@@ -90,7 +90,10 @@ fn properties_in_the_file() {
         (
             "Typo",
             &cube,
-            node(4, json!({"faceoff_densty": 2.0, "faceoff_restitution": 0.5})),
+            node(
+                4,
+                json!({"faceoff_densty": 2.0, "faceoff_restitution": 0.5, "faceoff_rounding": 0.1}),
+            ),
         ),
     ]);
     scene.json["meshes"][3]["extras"] =
@@ -134,6 +137,9 @@ fn properties_in_the_file() {
         (Density(9.0), Friction::new(0.25))
     );
     assert_eq!(sim.get::<Restitution>(typo), Restitution::new(0.5));
+    let mesh = sim.get::<MeshCollider>(typo).0;
+    let meshes = sim.app.world().resource::<Assets<CollisionMesh>>();
+    assert_eq!(meshes.get(&mesh).unwrap().settings.rounding, 0.1);
     let [body, group] = ["Crate", "Group"].map(|name| entity(&mut sim, name));
     assert_eq!(
         (sim.get::<RigidBody>(body), sim.get::<Mass>(body)),
