@@ -88,7 +88,9 @@ impl CollisionMesh {
     pub fn cylinder(radius: f32, height: f32, rounding: f32) -> Result<Self, ShapeError> {
         check("radius", radius)?;
         check("height", height)?;
-        let rounding = check_rounding(rounding)?.min(MOST_ROUND * height).min(2.0 * MOST_ROUND * radius);
+        let rounding = check_rounding(rounding)?
+            .min(MOST_ROUND * height)
+            .min(2.0 * MOST_ROUND * radius);
         let rings = [0.5, -0.5].map(|y| (radius - rounding, y * (height - 2.0 * rounding)));
         Ok(Self::rounded(&turned(rings)?, rounding))
     }

@@ -90,7 +90,7 @@ pub struct CylinderCollider {
 #[component(on_insert = shape_inserted::<ConeCollider>)]
 #[serde(default, deny_unknown_fields)]
 pub struct ConeCollider {
-    /// Of the base, metres. Default 0.5.
+    /// Radius of the base, metres. Default 0.5.
     pub radius: f32,
     /// Metres. Default 1.
     pub height: f32,

@@ -114,7 +114,7 @@ impl Placed<'_> {
     }
 
     /// All faces that a ray hits, in the order of distance, then number. A ray through a common edge hits both faces.
-    /// Of a rounded mesh it is only the first hit.
+    /// A rounded mesh has only its first hit.
     pub fn ray_hits(&self, ray: &Ray) -> Vec<RayHit> {
         if self.rounding() > 0.0 {
             return self.rounded_hit(ray).into_iter().collect();

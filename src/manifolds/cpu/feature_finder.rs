@@ -99,7 +99,7 @@ impl FeatureFinder {
         let crosses = shares.iter().any(|share| !share.segments.is_empty());
         let features = shares.iter().flat_map(|share| &share.features);
         let distance = if crosses { 0.0 } else { least_distance(features) };
-        // Of these only the nearest count.
+        // Only the nearest features of solids count.
         let one_sided = pair.rounding() == 0.0 && pair.sides.iter().all(|side| side.features.one_sided.all());
         let most = if one_sided {
             distance.min(query.margin)

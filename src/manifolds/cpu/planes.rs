@@ -131,7 +131,7 @@ fn manifold(
     let normal = plane.normal.as_dvec3();
     let above = normal.dot(frame.center) - plane.distance as f64;
     let rounding = bodies.rounding[body];
-    // Of the rounded surface, if the core's vertices are at the centre.
+    // The height of the rounded surface, if the core's vertices are at the centre.
     let height = (above - f64::from(rounding)) as f32;
     if above as f32 >= radius + margin {
         return None;
