@@ -72,7 +72,7 @@ fn meets_mesh(sweep: t::Sweep, body: t::Body) -> bool {
     let center = rotate(to_local, offset) + half_travel;
     // The second term is the rounding of both centres.
     let place = max(abs(body.position), abs(offset));
-    let half_size = abs(half_travel) + sweep.radius + 1.0e-6 * max(place.x, max(place.y, place.z));
+    let half_size = abs(half_travel) + sweep.radius + body.rounding + 1.0e-6 * max(place.x, max(place.y, place.z));
 
     // Node `number` of a level has the children from 8 * `number` on, one level below.
     var first: array<u32, TREE_LEVELS>;

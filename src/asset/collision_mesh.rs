@@ -9,7 +9,7 @@ use crate::projection::Group;
 use crate::projection::{BakeSettings, Cancelled, FaceTable, Inward, Progress, SupportHeights};
 #[cfg(feature = "bevy")]
 use bevy::prelude::{Asset, Reflect, Transform};
-use glam::{BVec3, Vec3};
+use glam::{BVec3, DMat3, DVec3, Vec3};
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -118,8 +118,11 @@ impl CollisionMesh {
         prepare(mesh, settings).into()
     }
 
-    /// The axes on which all triangles are at 0.
+    /// The axes on which all triangles are at 0; none for a rounded mesh.
     pub(crate) fn flat_axes(&self) -> BVec3 {
+        if self.settings.rounding > 0.0 {
+            return BVec3::FALSE;
+        }
         // Coordinates of the layout are relative to the centre of mass.
         let (aabb, center) = (self.lanes.aabb, self.mass.center);
         aabb.min.cmpeq(Vec3::ZERO) & aabb.max.cmpeq(Vec3::ZERO) & center.cmpeq(Vec3::ZERO)
@@ -194,6 +197,37 @@ impl CollisionMesh {
 }
 
 impl BakedMesh {
+    /// The volume with this scale along the mesh's axes, cubic metres.
+    ///
+    /// It is exact for balls and capsules, and without a rounding. An uneven scale makes that of another rounded mesh too
+    /// large, because the rounding has the smallest component of the scale.
+    pub(crate) fn volume(&self, scale: DVec3) -> f64 {
+        let mass = self.unevenly_scaled(scale);
+        mass.map_or_else(
+            || f64::from(self.mass.volume) * scale.element_product().abs(),
+            |mass| f64::from(mass.volume),
+        )
+    }
+
+    /// The inertia tensor about the centre of mass with this scale, for a mass in kilograms, kg m^2.
+    pub(crate) fn inertia(&self, scale: DVec3, mass: f64) -> DMat3 {
+        match self.unevenly_scaled(scale) {
+            Some(own) => own.inertia(DVec3::ONE, mass),
+            None => self.mass.inertia(scale, mass),
+        }
+    }
+
+    /// The mass of a ball or a capsule with an uneven scale: its rounding has the smallest component.
+    fn unevenly_scaled(&self, scale: DVec3) -> Option<MassProperties> {
+        let sizes = scale.abs();
+        if self.settings.rounding == 0.0 || sizes.max_element() == sizes.min_element() || !self.mesh.is_thin() {
+            return None;
+        }
+        let [start, _, end] = self.mesh.corners(0).map(|p| scale * p.as_dvec3());
+        let radius = f64::from(self.settings.rounding) * sizes.min_element();
+        Some(MassProperties::of_segment([start, end], radius))
+    }
+
     fn fingerprint(&self) -> u64 {
         let mut hash = blake3::Hasher::new();
         // Long pieces are hashed much faster than single numbers.

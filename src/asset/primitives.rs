@@ -13,6 +13,9 @@ pub const SIDES: u32 = 64;
 /// The largest rounding, in units of a shape's size: something is left of the core.
 const MOST_ROUND: f32 = 0.499;
 
+/// The least size of a box's core, in units of its longest edge.
+const LEAST_CORE: f32 = 1.0e-3;
+
 /// Why a shape cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ShapeError {
@@ -70,7 +73,9 @@ impl CollisionMesh {
         ] {
             check(what, value)?;
         }
-        let rounding = check_rounding(rounding)?.min(MOST_ROUND * size.min_element());
+        // The core has a volume that its mesh can show.
+        let most = 0.5 * (size.min_element() - LEAST_CORE * size.max_element());
+        let rounding = check_rounding(rounding)?.min(most).max(0.0);
         let core = size - 2.0 * rounding;
         let cube = shapes::cube(1.0);
         let vertices = cube.vertices().iter().map(|p| *p * core).collect();

@@ -7,6 +7,9 @@ impl BakedMesh {
     /// Warnings for the author of the mesh, one sentence each: dropped and turned faces, an open surface, and the like.
     /// Empty for a sound mesh. Code that loads a mesh should log them once, with the name of the file.
     pub fn warnings(&self) -> Vec<String> {
+        if self.mesh.is_thin() {
+            return Vec::new();
+        }
         let defects = self.mesh.defects();
         let mut warnings = Vec::new();
         let all = self.mesh.triangles().len() as u64 + u64::from(self.mesh.dropped());
@@ -64,7 +67,7 @@ impl BakedMesh {
                 "the mesh encloses almost no volume, so its mass is that of its bounding box; set the mass yourself"
                     .into(),
             );
-        } else if self.mass.approximate && matches!(self.mass.basis, MassBasis::Solid) {
+        } else if self.mass.approximate && self.settings.rounding == 0.0 && self.mass.basis == MassBasis::Solid {
             warnings.push(
                 "its size does not fit single precision, so its mass is approximate; set the mass yourself".into(),
             );
@@ -80,6 +83,9 @@ impl BakedMesh {
                 format!("its mass is that of what it encloses, within {error:.1} %")
             }
             MassBasis::Winding => format!("its mass is that of what it mostly encloses, within about {error:.0} %"),
+            MassBasis::Shell if self.settings.rounding > 0.0 => {
+                format!("its mass is that of a sheet {} thick", 2.0 * self.settings.rounding)
+            }
             MassBasis::Shell => format!(
                 "its mass is that of a shell {} of its size thick",
                 self.settings.shell_thickness

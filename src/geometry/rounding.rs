@@ -7,8 +7,12 @@ use std::collections::{HashMap, HashSet};
 
 /// The largest angle of a slice of a cylinder or of a ball, radians.
 const SLICE: f64 = 0.1;
-/// Faces with a smaller angle between their normals are coplanar, radians.
-const FLAT: f64 = 1.0e-6;
+/// Faces are coplanar if the cosine of the angle between their normals differs from 1 by less.
+const FLAT: f64 = 1.0e-12;
+/// The least cosine of the angle between the mean normal of a corner and the normals of its faces.
+const LEAST_COSINE: f64 = 1.0e-3;
+/// How often a part of a ball is split at most.
+const MAX_SPLITS: u32 = 6;
 
 /// What [`visit`] calls with the pieces.
 pub(crate) trait Rounding {
@@ -49,10 +53,16 @@ pub(crate) fn visit(mesh: &TriMesh, radius: f64, is_solid: bool, pieces: &mut im
             [one, other] => {
                 for side in sides {
                     let normals = [one, other].map(|t| core.normals[t] * *side);
-                    if normals[0].angle_between(normals[1]) < FLAT {
+                    let cosine = normals[0].dot(normals[1]);
+                    if cosine > 1.0 - FLAT {
                         continue;
                     }
-                    if core.height(one, other) * side < 0.0 {
+                    if cosine < FLAT - 1.0 {
+                        // Both sides of a sheet meet at its border.
+                        let out = core.outward(one, ends);
+                        visit_sector(ends, [normals[0], out], radius, pieces);
+                        visit_sector(ends, [out, normals[1]], radius, pieces);
+                    } else if core.height(one, other) * side < 0.0 {
                         visit_sector(ends, normals, radius, pieces);
                     } else {
                         visit_groove(ends, normals, radius, pieces);
@@ -66,9 +76,8 @@ pub(crate) fn visit(mesh: &TriMesh, radius: f64, is_solid: bool, pieces: &mut im
     }
     if is_solid {
         for (vertex, normals) in core.normals_around(mesh) {
-            if !at_grooves.contains(&vertex) {
-                visit_corner(mesh.vertices()[vertex as usize].as_dvec3(), &normals, radius, pieces);
-            }
+            let at = mesh.vertices()[vertex as usize].as_dvec3();
+            is_convex &= !at_grooves.contains(&vertex) && visit_corner(at, &normals, radius, pieces);
         }
     }
     is_convex
@@ -114,7 +123,7 @@ impl Core {
         for (triangle, own) in mesh.triangles().iter().zip(&self.normals) {
             for v in triangle {
                 let normals = &mut around[mesh.welded()[*v as usize] as usize];
-                if normals.iter().all(|other| other.angle_between(*own) > FLAT) {
+                if normals.iter().all(|other| other.dot(*own) <= 1.0 - FLAT) {
                     normals.push(*own);
                 }
             }
@@ -168,9 +177,13 @@ fn visit_groove(ends: [DVec3; 2], normals: [DVec3; 2], radius: f64, pieces: &mut
     }
 }
 
-/// Visits the sector of a ball at a vertex, between the normals of its faces.
-fn visit_corner(at: DVec3, normals: &[DVec3], radius: f64, pieces: &mut impl Rounding) {
+/// Visits the sector of a ball at a vertex, between the normals of its faces. Tells whether these are on one side, as at
+/// a convex corner; otherwise there is no sector.
+fn visit_corner(at: DVec3, normals: &[DVec3], radius: f64, pieces: &mut impl Rounding) -> bool {
     let middle = normals.iter().sum::<DVec3>().normalize_or_zero();
+    if normals.iter().any(|normal| normal.dot(middle) < LEAST_COSINE) {
+        return false;
+    }
     // By their angle about the middle.
     let (u, v) = middle.any_orthonormal_pair();
     let angle = |n: &DVec3| n.dot(v).atan2(n.dot(u));
@@ -178,20 +191,21 @@ fn visit_corner(at: DVec3, normals: &[DVec3], radius: f64, pieces: &mut impl Rou
     around.sort_by(|p, q| angle(p).total_cmp(&angle(q)));
     for (i, from) in around.iter().enumerate() {
         let to = around[(i + 1) % around.len()];
-        visit_triangle(at, [middle, *from, to], radius, pieces);
+        visit_triangle(at, [middle, *from, to], radius, MAX_SPLITS, pieces);
     }
+    true
 }
 
-/// Visits a triangle on the unit sphere, in parts.
-fn visit_triangle(at: DVec3, corners: [DVec3; 3], radius: f64, pieces: &mut impl Rounding) {
+/// Visits a triangle on the unit sphere, split at most `splits` times.
+fn visit_triangle(at: DVec3, corners: [DVec3; 3], radius: f64, splits: u32, pieces: &mut impl Rounding) {
     let [a, b, c] = corners;
     let longest = a.angle_between(b).max(b.angle_between(c)).max(c.angle_between(a));
-    if longest <= SLICE {
+    if longest <= SLICE || splits == 0 {
         pieces.corner(at, corners.map(|p| p * radius));
         return;
     }
     let [p, q, r] = [a + b, b + c, c + a].map(DVec3::normalize_or_zero);
     for part in [[a, p, r], [p, b, q], [r, q, c], [p, q, r]] {
-        visit_triangle(at, part, radius, pieces);
+        visit_triangle(at, part, radius, splits - 1, pieces);
     }
 }

@@ -53,6 +53,7 @@
 //! | [`GravityScale`] | 1e6 | the body is refused |
 //! | vertices, triangles of a mesh | what 32 bits can count | the mesh is refused |
 //! | [`BakeSettings::weld_tolerance`], [`BakeSettings::shell_thickness`] | 0.01, 0.5 | the settings are refused |
+//! | faces that are listed of a pair of which one is rounded | 16,384 | others are not listed; the contact is still the deepest |
 //!
 //! [`StepLimits::NONE`] lifts the first two: every step is exact, as long as there are memory and time.
 //!

@@ -66,6 +66,9 @@ pub struct Collision<'a> {
     /// [`FaceLists`](crate::plugin::settings::FaceLists) asks for them; else `None`. Faces are indices into the source
     /// meshes; `a` is a face of `collider1`. Empty if the two are only near each other, like bodies at rest, and for
     /// planes.
+    ///
+    /// Faces of rounded meshes are those whose roundings touch. Bodies of which one is rounded have none while they push
+    /// each other.
     pub faces: Option<&'a [FacePair]>,
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
     /// that did not push have impulse 0.

@@ -267,37 +267,26 @@ struct ShapeMeshes(HashMap<ShapeKey, AssetId<CollisionMesh>>);
 type ShapeKey = (&'static str, [u32; 4]);
 
 impl ShapeMeshes {
-    fn key<T: ShapeCollider>(shape: &T) -> ShapeKey {
-        (T::NAME, shape.lengths().map(f32::to_bits))
-    }
-
     /// The mesh of a shape in `meshes`, made unless it is there.
     fn get<T: ShapeCollider>(
         &mut self,
         shape: &T,
-        meshes: &mut ResMut<Assets<CollisionMesh>>,
+        meshes: &mut Mut<Assets<CollisionMesh>>,
     ) -> Result<Handle<CollisionMesh>, ShapeError> {
-        let key = Self::key(shape);
-        if let Some(handle) = strong(self.0.get(&key), meshes.bypass_change_detection()) {
+        let key = (T::NAME, shape.lengths().map(f32::to_bits));
+        let known = self.0.get(&key);
+        let known = known.and_then(|id| meshes.bypass_change_detection().get_strong_handle(*id));
+        if let Some(handle) = known {
             return Ok(handle);
         }
         let handle = meshes.add(shape.mesh()?);
-        self.add(key, handle.id(), meshes);
-        Ok(handle)
-    }
-
-    fn add(&mut self, key: ShapeKey, id: AssetId<CollisionMesh>, meshes: &Assets<CollisionMesh>) {
         // A game that changes sizes all the time must not fill this table.
         if self.0.len() >= self.0.capacity() {
             self.0.retain(|_, id| meshes.contains(*id));
         }
-        self.0.insert(key, id);
+        self.0.insert(key, handle.id());
+        Ok(handle)
     }
-}
-
-/// A handle of a mesh, if it is still there.
-fn strong(id: Option<&AssetId<CollisionMesh>>, meshes: &mut Assets<CollisionMesh>) -> Option<Handle<CollisionMesh>> {
-    meshes.get_strong_handle(*id?)
 }
 
 /// Sets the meshes of shapes. New ones have theirs at once, changed ones before the next step.
@@ -325,30 +314,19 @@ impl Plugin for ShapePlugin {
     }
 }
 
-/// Sets the mesh of a new shape.
+/// Sets the mesh of a new shape. An error is told by the first step.
 fn shape_inserted<T: ShapeCollider>(mut world: DeferredWorld, context: HookContext) {
     let shape = world.get::<T>(context.entity).copied();
-    let made = world.get_resource::<ShapeMeshes>();
+    let made = world.get_resource_mut::<ShapeMeshes>();
     // Without the resources the first step sets it.
-    let (Some(shape), Some(made)) = (shape, made) else {
+    let (Some(shape), Some(mut made)) = (shape, made) else {
         return;
     };
-    let key = ShapeMeshes::key(&shape);
-    let known = made.0.get(&key).copied();
-    let Some(mut meshes) = world.get_resource_mut::<Assets<CollisionMesh>>() else {
-        return;
-    };
-    let handle = match strong(known.as_ref(), meshes.bypass_change_detection()) {
-        Some(handle) => handle,
-        None => {
-            // An error is told by the first step.
-            let Ok(mesh) = shape.mesh() else { return };
-            let handle = meshes.add(mesh);
-            world.resource_mut::<ShapeMeshes>().0.insert(key, handle.id());
-            handle
-        }
-    };
-    if let Some(mut collider) = world.get_mut::<MeshCollider>(context.entity) {
+    let mut known = std::mem::take(&mut *made);
+    let meshes = world.get_resource_mut::<Assets<CollisionMesh>>();
+    let handle = meshes.and_then(|mut meshes| known.get(&shape, &mut meshes).ok());
+    *world.resource_mut::<ShapeMeshes>() = known;
+    if let (Some(handle), Some(mut collider)) = (handle, world.get_mut::<MeshCollider>(context.entity)) {
         collider.0 = handle;
     }
 }
@@ -359,10 +337,15 @@ fn follow<T: ShapeCollider>(
     made: Option<ResMut<ShapeMeshes>>,
     meshes: Option<ResMut<Assets<CollisionMesh>>>,
 ) {
-    let (Some(mut made), Some(mut meshes)) = (made, meshes) else {
+    let (Some(mut made), Some(meshes)) = (made, meshes) else {
         return;
     };
+    let mut meshes = Mut::from(meshes);
     for (entity, name, shape, mut collider) in &mut shapes {
+        // If an entity has two shapes, the one that was set last counts.
+        if !shape.is_changed() && collider.0 != Handle::default() {
+            continue;
+        }
         match made.get(&*shape, &mut meshes) {
             Ok(handle) => {
                 if collider.0 != handle {

@@ -151,8 +151,10 @@ impl Placed<'_> {
     ) -> Option<CastHit> {
         let touch = ccd::cast_rounded(&meshes, way * length, &mut scratch.search)?;
         let Some([face, other_face]) = touch.triangles else {
-            let hit = self.start_hit(other.center_of_mass() + way * start)?;
-            return Some(CastHit { distance: start, ..hit });
+            // They are within the tolerance there, or the search took too long.
+            let distance = start + touch.time * length;
+            let hit = self.start_hit(other.center_of_mass() + way * distance)?;
+            return Some(CastHit { distance, ..hit });
         };
         Some(CastHit {
             distance: start + touch.time * length,

@@ -84,12 +84,12 @@ impl<'a> Placed<'a> {
     /// The mass in kilograms at a density in kg/m^3. [`MassProperties`](crate::geometry::MassProperties) tells how
     /// meshes that are not closed are treated.
     pub fn mass(&self, density: f64) -> f64 {
-        density * f64::from(self.mesh.mass.volume) * self.pose.frame.scale.element_product().abs()
+        density * self.mesh.volume(self.pose.frame.scale)
     }
 
     /// The inertia tensor about the centre of mass for a mass in kilograms, in the mesh's own axes, kg m^2.
     pub fn inertia(&self, mass: f64) -> DMat3 {
-        self.mesh.mass.inertia(self.pose.frame.scale, mass)
+        self.mesh.inertia(self.pose.frame.scale, mass)
     }
 
     /// The axis-aligned bounding box of the placed mesh in the world: least and largest coordinates, metres. Exact up

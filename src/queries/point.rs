@@ -29,8 +29,16 @@ pub struct PointHit {
     /// Weights of the three corners of the face, in their order in the source mesh. They add up to 1.
     pub barycentric: Vec3,
     /// Whether the given point is inside the mesh. Never for rooms, and for open meshes unless they are nearly closed:
-    /// see [`TriMesh::caps`](crate::geometry::TriMesh::caps).
+    /// see [`TriMesh::caps`](crate::geometry::TriMesh::caps). A point within the rounding of a mesh is inside.
     pub is_inside: bool,
+}
+
+/// A unit vector away from a point of a core that is a segment, or a point.
+pub(super) fn beside_segment([start, end]: [DVec3; 2]) -> DVec3 {
+    match (end - start).try_normalize() {
+        Some(along) => along.any_orthonormal_vector(),
+        None => DVec3::Y,
+    }
 }
 
 /// The triangle nearest to a point.
@@ -161,7 +169,7 @@ impl Placed<'_> {
         let normal = if nearest.distance > rounding {
             way.normalize()
         } else {
-            area.normalize_or_zero() * self.mirror()
+            area.normalize_or(beside_segment([a, c])) * self.mirror()
         };
         PointHit {
             point: self.in_world(nearest.point),

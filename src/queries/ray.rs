@@ -92,7 +92,8 @@ impl Placed<'_> {
         self.nearest_hit(ray, |_, _| true)
     }
 
-    /// The first face for which `predicate` holds. It may be called for faces behind the first one.
+    /// The first face for which `predicate` holds. It may be called for faces behind the first one. Of a rounded mesh
+    /// only the first hit is tried.
     pub fn cast_ray_predicate(&self, ray: &Ray, predicate: impl Fn(&RayHit) -> bool) -> Option<RayHit> {
         if self.rounding() > 0.0 {
             return self.rounded_hit(ray).filter(predicate);
@@ -119,6 +120,11 @@ impl Placed<'_> {
         if self.rounding() > 0.0 {
             return self.rounded_hit(ray).into_iter().collect();
         }
+        self.core_hits(ray)
+    }
+
+    /// [`Placed::ray_hits`] of the core.
+    pub(super) fn core_hits(&self, ray: &Ray) -> Vec<RayHit> {
         let mut hits = Vec::new();
         self.visit(ray, &mut |cast, meeting| {
             hits.push(cast.hit(&meeting));

@@ -1,7 +1,7 @@
 //! The distance from a segment to one placed mesh, and how to move the segment out of it.
 
 use super::placed::Placed;
-use super::point::FARTHEST;
+use super::point::{FARTHEST, beside_segment};
 use super::ray::Ray;
 use crate::geometry::distance::{closest, nearest};
 use glam::{DVec3, Vec3};
@@ -76,7 +76,7 @@ impl Placed<'_> {
             (most, away)
         } else {
             let [a, b, c] = self.corners(triangle);
-            let normal = (b - a).cross(c - a).normalize_or_zero() * self.mirror();
+            let normal = (b - a).cross(c - a).normalize_or(beside_segment([a, c])) * self.mirror();
             let above = if normal.dot(middle - point) < 0.0 {
                 -normal
             } else {
@@ -100,7 +100,7 @@ impl Placed<'_> {
         if !self.mesh().mesh.is_solid() {
             return None;
         }
-        let hits = self.ray_hits(&Ray::between(ends[0], ends[1]));
+        let hits = self.core_hits(&Ray::between(ends[0], ends[1]));
         let parts = hits.windows(2).filter_map(|pair| {
             let middle = self.in_axes((pair[0].point + pair[1].point) * 0.5);
             let length = pair[1].distance - pair[0].distance;

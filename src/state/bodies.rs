@@ -17,7 +17,6 @@ use super::part_index::PartIndex;
 use super::revision::Revision;
 use super::static_changes::StaticChanges;
 use crate::asset::CollisionMesh;
-use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
 use crate::types::settings::Culling;
@@ -482,13 +481,13 @@ impl Bodies {
             return Err(BodyFault::TooFar);
         }
         let radius = bounding_radius(unpadded_radius, center);
-        let mass = mass_of(body, &frame, &slot.mesh.mass);
+        let mass = mass_of(body, &frame, &slot.mesh);
         let inverse_mass = (1.0 / mass) as f32;
         if !inverse_mass.is_finite() {
             return Err(BodyFault::Mass(body.mass.unwrap_or(0.0)));
         }
         let (own_inertia, inverse_inertia) = if is_body && mass.is_finite() {
-            let own = inverse_inertia_of(body, &frame, &slot.mesh.mass, mass);
+            let own = inverse_inertia_of(body, &frame, &slot.mesh, mass);
             (own, frame.rotation * own * frame.rotation.transpose())
         } else {
             (DMat3::ZERO, DMat3::ZERO)
@@ -511,7 +510,7 @@ impl Bodies {
             speculative_radius: radius,
             travel_time: 0.0,
             inverse_mass,
-            own_inverse_mass: own_inverse_mass(body, &frame, &slot.mesh.mass),
+            own_inverse_mass: own_inverse_mass(body, &frame, &slot.mesh),
             local_inverse_inertia: own_inertia.as_mat3(),
             inverse_inertia: inverse_inertia.as_mat3(),
             restitution: body.restitution.clamp(0.0, 1.0),
@@ -570,7 +569,7 @@ impl Frame {
 }
 
 /// The mass in kilograms; infinite for a body that contacts cannot move.
-fn mass_of(body: &Body, frame: &Frame, mesh: &MassProperties) -> f64 {
+fn mass_of(body: &Body, frame: &Frame, mesh: &CollisionMesh) -> f64 {
     if body.kind != RigidBody::Dynamic {
         return f64::INFINITY;
     }
@@ -578,13 +577,13 @@ fn mass_of(body: &Body, frame: &Frame, mesh: &MassProperties) -> f64 {
 }
 
 /// The mass if contacts moved it, kg.
-fn own_mass_of(body: &Body, frame: &Frame, mesh: &MassProperties) -> f64 {
-    let volume = mesh.volume as f64 * frame.scale.element_product().abs();
-    body.mass.map_or(f64::from(body.density) * volume, f64::from)
+fn own_mass_of(body: &Body, frame: &Frame, mesh: &CollisionMesh) -> f64 {
+    let weigh = || f64::from(body.density) * mesh.volume(frame.scale);
+    body.mass.map_or_else(weigh, f64::from)
 }
 
 /// The inverse mass if contacts moved it, 1/kg; 0 for a static body, and where it is not finite.
-fn own_inverse_mass(body: &Body, frame: &Frame, mesh: &MassProperties) -> f32 {
+fn own_inverse_mass(body: &Body, frame: &Frame, mesh: &CollisionMesh) -> f32 {
     if body.kind == RigidBody::Static {
         return 0.0;
     }
@@ -593,7 +592,7 @@ fn own_inverse_mass(body: &Body, frame: &Frame, mesh: &MassProperties) -> f32 {
 }
 
 /// The inverse inertia of a dynamic body in its own axes.
-fn inverse_inertia_of(body: &Body, frame: &Frame, mesh: &MassProperties, mass: f64) -> DMat3 {
+fn inverse_inertia_of(body: &Body, frame: &Frame, mesh: &CollisionMesh, mass: f64) -> DMat3 {
     match body.inertia {
         Some(inertia) => inertia.as_dmat3().inverse(),
         None => invert_inertia(mesh.inertia(frame.scale, mass)),

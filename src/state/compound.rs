@@ -278,10 +278,10 @@ impl Bodies {
     #[inline]
     fn weigh(&self, part: &NewCompoundPart, meshes: &MeshArena) -> (f64, DMat3, DVec3) {
         let i = part.collider as usize;
-        let (properties, scale) = (&meshes[self.mesh[i]].mesh.mass, self.frame[i].scale);
-        let mass = f64::from(part.density) * f64::from(properties.volume) * scale.element_product().abs();
+        let (mesh, scale) = (&meshes[self.mesh[i]].mesh, self.frame[i].scale);
+        let mass = f64::from(part.density) * mesh.volume(scale);
         let axes = DMat3::from_quat(part.pose.rotation);
-        let center = part.pose.translation + axes * (scale * properties.center.as_dvec3());
+        let center = part.pose.translation + axes * (scale * mesh.mass.center.as_dvec3());
         (mass, axes, center)
     }
 
@@ -300,7 +300,7 @@ impl Bodies {
         for part in parts.iter().filter(weighs) {
             let (own, axes, at) = self.weigh(part, meshes);
             let i = part.collider as usize;
-            let tensor = meshes[self.mesh[i]].mesh.mass.inertia(self.frame[i].scale, own);
+            let tensor = meshes[self.mesh[i]].mesh.inertia(self.frame[i].scale, own);
             // Steiner's theorem.
             let d = at - center;
             let shift =

@@ -255,7 +255,7 @@ impl Sweep {
         let to_local = frame.rotation.transpose();
         let half_travel = 0.5 * (to_local * self.travel.as_dvec3());
         let center = to_local * (self.center - frame.center) + half_travel;
-        let half = half_travel.abs() + f64::from(self.radius);
+        let half = half_travel.abs() + f64::from(self.radius + bodies.rounding[other]);
         let simd = baseline();
         let [center, half, scale, size] =
             [center, half, frame.scale, frame.scale.abs()].map(|vector| splat_point(simd, vector.as_vec3()));

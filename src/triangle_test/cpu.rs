@@ -22,7 +22,6 @@ use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Contact, Contacts, FacePair, Manifolds, NearPair, PairContact, PlacedMesh, Plane};
 use pair_setup::PairSetup;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Memory kept between steps.
@@ -137,23 +136,33 @@ pub(crate) fn run(
     Ok(contacts.faces.len())
 }
 
-/// Adds a pair whose cores are apart and whose rounded surfaces touch, with the contact where they are deepest.
+/// The most pairs of faces that are listed of a rounded pair: a large ball may hold a whole level.
+const MAX_ROUNDED_FACES: usize = 1 << 14;
+
+/// Adds a pair whose cores are apart and whose rounded surfaces touch, with the contact where they are deepest. Its faces
+/// are those whose roundings touch, up to [`MAX_ROUNDED_FACES`].
 fn add_rounded(pair @ [a, b]: [&PlacedMesh; 2], near: &NearPair, found: &mut Contacts) {
     let first_face = found.faces.len() as u32;
     let mut deepest: Option<rounded::Touch> = None;
     rounded::touches(pair, |touch| {
         let Contact { point, .. } = touch.contact;
         let [ta, tb] = touch.triangles.map(|t| t as usize);
-        found.faces.push(FacePair {
-            a: a.mesh.mesh.face_ids()[ta],
-            b: b.mesh.mesh.face_ids()[tb],
-            start: point,
-            end: point,
-        });
-        if deepest.as_ref().is_none_or(|other| touch.distance < other.distance) {
+        let is_full = found.faces.len() - first_face as usize >= MAX_ROUNDED_FACES;
+        if !is_full {
+            found.faces.push(FacePair {
+                a: a.mesh.mesh.face_ids()[ta],
+                b: b.mesh.mesh.face_ids()[tb],
+                start: point,
+                end: point,
+            });
+        }
+        let least = deepest.as_ref().map_or(f64::INFINITY, |other| other.distance);
+        let distance = touch.distance;
+        if distance < least {
             deepest = Some(touch);
         }
-        ControlFlow::Continue(())
+        // Then only deeper places are of interest.
+        if is_full { least.min(distance) } else { f64::INFINITY }
     });
     found.pairs.extend(deepest.map(|touch| PairContact {
         bodies: near.bodies,
@@ -222,7 +231,7 @@ fn touch<S: Simd>(simd: S, [a, b]: [&PlacedMesh; 2], near: &NearPair, worker: &m
     if !any {
         rounded::touches([a, b], |_| {
             any = true;
-            ControlFlow::Break(())
+            f64::NEG_INFINITY
         });
     }
     any

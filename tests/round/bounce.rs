@@ -104,3 +104,26 @@ fn a_sliding_ball_ends_at_five_sevenths_of_its_speed() {
     let spin = world.state.input.bodies.angular_velocity[body].z;
     assert!((spin * -0.2 - v).abs() < 1.0e-2, "it rolls: {spin}");
 }
+
+#[test]
+fn a_fast_ball_does_not_enter_a_large_one_that_stands_still() {
+    for offset in [0.0f32, 3.0, 4.0, 4.9] {
+        let mut world = World::weightless();
+        let [large, small] = [5.0, 0.1].map(|radius| ball(&mut world, radius));
+        world.put(&Body {
+            kind: RigidBody::Static,
+            ..Body::at_rest(large, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)
+        });
+        let body = world.put(&Body {
+            linear_velocity: Vec3::X * 100.0,
+            ..Body::at_rest(small, Vec3::new(-12.3, offset, 0.0), Quat::IDENTITY, Vec3::ONE)
+        });
+        let mut nearest = f64::INFINITY;
+        for _ in 0..32 {
+            world.step();
+            nearest = nearest.min(world.center(body).length());
+        }
+        println!("offset {offset} m: as near as {nearest} m");
+        assert!(nearest > 5.1 - 0.01, "offset {offset}: {nearest}");
+    }
+}

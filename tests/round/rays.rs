@@ -210,3 +210,30 @@ fn rounded_meshes_cast_against_each_other_stop_where_they_touch() {
     }
     assert!(hits > 50, "{hits}");
 }
+
+#[test]
+fn what_meets_the_core_itself_has_a_normal() {
+    let shapes = all();
+    for shape in shapes.iter().filter(|shape| shape.radius > 0.0) {
+        let placed = Placed::new(&shape.mesh, DVec3::ZERO, DQuat::IDENTITY, Vec3::ONE).unwrap();
+        let on_core = shape.triangles[0].iter().sum::<DVec3>() / 3.0;
+        let hit = placed.closest_point(on_core, 1.0).unwrap();
+        assert!((hit.normal.length() - 1.0).abs() < 1.0e-5, "{}: {hit:?}", shape.name);
+        let ends = [on_core - DVec3::Y, on_core + DVec3::Y];
+        let hit = placed.closest_to_segment(ends, 1.0).unwrap();
+        assert!((hit.normal.length() - 1.0).abs() < 1.0e-5, "{}: {hit:?}", shape.name);
+        assert!(hit.distance <= -shape.radius, "{}: {hit:?}", shape.name);
+    }
+}
+
+#[test]
+fn an_unevenly_scaled_ball_weighs_what_it_is() {
+    let ball = bevy_faceoff::asset::CollisionMesh::ball(0.5).unwrap();
+    let scaled = Placed::new(&ball, DVec3::ZERO, DQuat::IDENTITY, Vec3::new(1.0, 1.0, 4.0)).unwrap();
+    let volume = std::f64::consts::PI / 6.0;
+    assert!((scaled.mass(1.0) / volume - 1.0).abs() < 1.0e-5);
+    let inertia = scaled.inertia(1.0);
+    assert!((inertia.x_axis.x - 0.1).abs() < 1.0e-5 && (inertia.z_axis.z - 0.1).abs() < 1.0e-5);
+    let hit = scaled.cast_ray(&Ray::new(DVec3::Z * 5.0, DVec3::NEG_Z)).unwrap();
+    assert!((hit.distance - 4.5).abs() < 1.0e-6);
+}

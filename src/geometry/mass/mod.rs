@@ -102,14 +102,14 @@ impl MassProperties {
             },
         };
         let Some(solid) = solid else {
-            return solid_box(aabb).rounded(edges.min_element(), MassBasis::Box, 1.0);
+            return solid_box(aabb).to_single(edges.min_element(), MassBasis::Box, 1.0);
         };
         let is_whole = mesh.is_closed() || !mesh.caps().is_empty();
         match is_whole.then(|| thickness(mesh)) {
-            Some(Some(t)) => solid.rounded(t.min(edges.length()), basis, error),
+            Some(Some(t)) => solid.to_single(t.min(edges.length()), basis, error),
             // No ray leaves the mesh, so its volume is doubtful.
-            Some(None) => solid.rounded(edges.min_element(), basis, 1.0),
-            None => solid.rounded(edges.min_element(), basis, error),
+            Some(None) => solid.to_single(edges.min_element(), basis, 1.0),
+            None => solid.to_single(edges.min_element(), basis, error),
         }
     }
 }
@@ -136,7 +136,8 @@ struct Solid {
 }
 
 impl Solid {
-    fn rounded(self, thickness: f64, basis: MassBasis, error: f64) -> MassProperties {
+    /// The values in single precision.
+    fn to_single(&self, thickness: f64, basis: MassBasis, error: f64) -> MassProperties {
         let is_whole = matches!(basis, MassBasis::Solid | MassBasis::Capped);
         let mut clamped = !is_whole || error > NO_ERROR;
         let mut positive = |x: f64| {

@@ -13,32 +13,45 @@ impl MassProperties {
     /// The mass of all that is within `radius` of the mesh; [`MassProperties::with_shell`] for a radius of 0.
     ///
     /// It is exact for segments and points, and to about 1e-5 for convex meshes. It is approximate
-    /// ([`MassProperties::approximate`]) if the mesh has grooves narrower than the radius, and for sheets, which get no
-    /// more than their two sides and half a cylinder along their borders.
+    /// ([`MassProperties::approximate`]) if the mesh has grooves, of which narrow ones take too much off, and for sheets,
+    /// which get no more than their two sides and half a cylinder along their borders.
     pub fn rounded(mesh: &TriMesh, shell: f32, radius: f32) -> Self {
         if radius == 0.0 {
             return Self::with_shell(mesh, shell);
         }
         let radius = f64::from(radius);
         if mesh.is_thin() {
-            let ends = [mesh.corners(0)[0], mesh.corners(0)[2]].map(|end| end.as_dvec3());
-            return capsule(ends, radius).rounded(2.0 * radius, MassBasis::Solid, 0.0);
+            let [start, _, end] = mesh.corners(0).map(|p| p.as_dvec3());
+            return Self::of_segment([start, end], radius);
         }
         let core = Self::with_shell(mesh, shell);
-        let is_solid = matches!(core.basis, MassBasis::Solid | MassBasis::Capped);
+        let has_volume = matches!(core.basis, MassBasis::Solid | MassBasis::Capped);
+        let is_solid = has_volume || mesh.is_solid();
         let mut sum = Moments::new(core.center.as_dvec3());
-        if is_solid {
+        if has_volume {
             (sum.volume, sum.second) = (f64::from(core.volume), core.second_moment.as_dmat3());
         }
         let is_convex = rounding::visit(mesh, radius, is_solid, &mut sum);
-        let thickness = 2.0 * radius + if is_solid { f64::from(core.thickness) } else { 0.0 };
-        let mut all = sum.solid().rounded(thickness, MassBasis::Solid, 0.0);
-        all.approximate |= core.approximate || !is_convex;
-        all.error = if is_solid { core.error } else { 1.0 };
-        if !is_solid {
-            all.basis = MassBasis::Shell;
+        let thickness = 2.0 * radius + if has_volume { f64::from(core.thickness) } else { 0.0 };
+        if !sum.is_valid() || has_volume && sum.volume < f64::from(core.volume) {
+            // Narrow grooves have taken more than there is.
+            return Self {
+                thickness: thickness as f32,
+                approximate: true,
+                error: 1.0,
+                ..core
+            };
         }
+        let basis = if is_solid { MassBasis::Solid } else { MassBasis::Shell };
+        let error = (sum.taken / sum.volume).max(if has_volume { f64::from(core.error) } else { 0.0 });
+        let mut all = sum.solid().to_single(thickness, basis, error);
+        all.approximate |= !is_convex || has_volume && core.approximate;
         all
+    }
+
+    /// The mass of all that is within `radius` of a segment.
+    pub(crate) fn of_segment(ends: [DVec3; 2], radius: f64) -> Self {
+        capsule(ends, radius).to_single(2.0 * radius, MassBasis::Solid, 0.0)
     }
 }
 
@@ -64,6 +77,8 @@ struct Moments {
     volume: f64,
     first: DVec3,
     second: DMat3,
+    /// What grooves took off, as a volume.
+    taken: f64,
 }
 
 impl Moments {
@@ -73,6 +88,7 @@ impl Moments {
             volume: 0.0,
             first: DVec3::ZERO,
             second: DMat3::ZERO,
+            taken: 0.0,
         }
     }
 
@@ -82,6 +98,7 @@ impl Moments {
         let det = weight * (b - a).dot((c - a).cross(d - a)).abs();
         let sum = a + b + c + d;
         self.volume += det / 6.0;
+        self.taken -= (det / 6.0).min(0.0);
         self.first += sum * (det / 24.0);
         self.second += (outer(a) + outer(b) + outer(c) + outer(d) + outer(sum)) * (det / 120.0);
     }
@@ -91,6 +108,14 @@ impl Moments {
         self.add([a, b, c, d], weight);
         self.add([b, c, d, e], weight);
         self.add([c, d, e, f], weight);
+    }
+
+    /// Whether these may be the moments of a solid.
+    fn is_valid(&self) -> bool {
+        let solid = self.solid();
+        let m = solid.second_moment;
+        let least = m.x_axis.x.min(m.y_axis.y).min(m.z_axis.z);
+        self.volume > 0.0 && least > 0.0 && m.is_finite() && solid.center.is_finite()
     }
 
     fn solid(&self) -> Solid {
@@ -111,7 +136,7 @@ impl Rounding for Moments {
     fn slice(&mut self, ends: [DVec3; 2], [p, q]: [DVec3; 2]) {
         // The triangles of the slices have the area of the sector.
         let angle = p.angle_between(q);
-        let wider = (angle / angle.sin()).sqrt();
+        let wider = if angle > 0.0 { (angle / angle.sin()).sqrt() } else { 1.0 };
         let [near, far] = ends.map(|end| [end, end + p * wider, end + q * wider]);
         self.add_prism(near, far, 1.0);
     }
@@ -197,5 +222,48 @@ mod tests {
         let all = MassProperties::rounded(&sheet, 0.01, 0.1);
         let volume = 0.2 + 4.0 * 0.5 * PI * 0.01;
         assert!(near(all.volume, volume) && all.approximate, "{}", all.volume);
+    }
+
+    #[test]
+    fn both_sides_of_a_doubled_sheet_count_once() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 0.6, 0.8), Vec3::new(0.0, 0.6, 0.8)];
+        let single = vec![[0, 1, 2], [0, 2, 3]];
+        let doubled = vec![[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]];
+        let [single, doubled] = [single, doubled].map(|faces| {
+            let mesh = TriMesh::new(corners.to_vec(), faces).unwrap();
+            MassProperties::rounded(&mesh, 0.01, 0.1).volume
+        });
+        assert!((doubled / single - 1.0).abs() < 1.0e-4, "{doubled} for {single}");
+    }
+
+    #[test]
+    fn odd_corners_and_narrow_grooves_give_a_mass() {
+        // Two cubes that share a corner.
+        let cube = shapes::cube(1.0);
+        let [low, high] = [-0.5f32, 0.5].map(|by| cube.vertices().iter().map(move |p| *p + by));
+        let faces = cube.triangles().iter();
+        let faces = faces.clone().copied().chain(faces.map(|t| t.map(|v| v + 8)));
+        let cubes = TriMesh::new(low.chain(high).collect(), faces.collect()).unwrap();
+        let mass = MassProperties::rounded(&cubes, 0.01, 0.1);
+        assert!(mass.volume > 2.0 && mass.volume < 4.5 && mass.approximate, "{mass:?}");
+
+        // A star with so many narrow teeth that their grooves take more than there is.
+        let (teeth, height) = (64, 1.5);
+        let at = |i: i32, y: f32| {
+            let (sin, cos) = (std::f32::consts::PI * i as f32 / teeth as f32).sin_cos();
+            let radius = if i % 2 == 0 { 1.0 } else { 0.8 };
+            Vec3::new(radius * cos, y, radius * sin)
+        };
+        let mut vertices = vec![Vec3::Y * height, Vec3::NEG_Y * height];
+        vertices.extend((0..2 * teeth).flat_map(|i| [at(i, height), at(i, -height)]));
+        let ring = |i: i32, k: i32| (2 + 2 * (i % (2 * teeth)) + k) as u32;
+        let faces = (0..2 * teeth).flat_map(|i| {
+            let [a, b, c, d] = [ring(i, 0), ring(i, 1), ring(i + 1, 0), ring(i + 1, 1)];
+            [[0, c, a], [1, b, d], [a, c, b], [c, d, b]]
+        });
+        let star = TriMesh::new(vertices, faces.collect()).unwrap();
+        let [core, mass] = [0.0, 0.3].map(|radius| MassProperties::rounded(&star, 0.01, radius));
+        assert!(mass.volume >= core.volume && mass.center.length() < 0.1, "{mass:?}");
+        assert!(mass.approximate && mass.error > 0.0);
     }
 }

@@ -4,7 +4,7 @@
 //! While the core is outside of the other body, its features are all there is. A segment that has pierced the other's
 //! surface has no contour; its end is pushed back out. A core inside a closed mesh is pushed out as other bodies are.
 
-use super::feature::{Feature, Origin, TrianglePair};
+use super::feature::{Feature, OUTSIDE, Origin, TrianglePair};
 use super::feature_bits::{FACE_BIT, owned_features};
 use super::inside;
 use super::near_features::NearFeatures;
@@ -156,7 +156,8 @@ fn pierced(side: &Side, own: &Triangle, face: &Triangle, thin: usize) -> Option<
     let at = ends[0] + (ends[1] - ends[0]) * (heights[0] / (heights[0] - heights[1]));
     let inside = (0..3).all(|k| {
         let (p, q) = (face.corners[k], face.corners[(k + 1) % 3]);
-        (q - p).cross(at - p).dot(face.normal) * face.winding_sign >= 0.0
+        // A point on the edge of two faces is in one of them at least.
+        (q - p).cross(at - p).dot(face.normal) * face.winding_sign >= -OUTSIDE * (q - p).length_squared()
     });
     let behind = usize::from(heights[1] < 0.0);
     let (end, separation) = (ends[behind], heights[behind]);

@@ -113,11 +113,8 @@ fn set(layer: &mut Layer, key: &str, value: &Value) -> Result<(), PropertyError>
             settings.restitution = Some(Restitution::new(number));
         }
         ROUNDING => {
-            let rounding = number(
-                |r| (0.0..=MAX_COORDINATE).contains(&r),
-                "a number of mesh units, 0 or more",
-            )?;
-            settings.bake.get_or_insert_default().rounding = rounding;
+            let is_valid = |r: f32| (0.0..=MAX_COORDINATE).contains(&r);
+            settings.rounding = Some(number(is_valid, "a number of mesh units, 0 or more")?);
         }
         LAYERS | FILTERS => {
             let bits = layer_bits(value).ok_or(wrong("a layer from 0 to 31, or a list of them"))?;

@@ -23,7 +23,7 @@
 //! | `faceoff_restitution` | a number from 0 to 1 | object, mesh, material | [`Restitution`](crate::types::material::Restitution) |
 //! | `faceoff_layers` | a layer from 0 to 31, or a list of them | object, mesh, material | [`CollisionLayers::memberships`](crate::types::body::CollisionLayers::memberships) |
 //! | `faceoff_filters` | a layer from 0 to 31, or a list of them | object, mesh, material | [`CollisionLayers::filters`](crate::types::body::CollisionLayers::filters) |
-//! | `faceoff_rounding` | a number of 0 or more, mesh units | object, mesh, material | [`BakeSettings::rounding`](crate::projection::BakeSettings::rounding) |
+//! | `faceoff_rounding` | a number of 0 or more, mesh units | object, mesh, material | [`ColliderSettings::rounding`] |
 //! | `faceoff_body` | `"dynamic"`, `"kinematic"` or `"static"` | object | [`RigidBody`](crate::types::body::RigidBody) |
 //! | `faceoff_mass` | a number above 0, kg | object with `faceoff_body` | [`Mass`](crate::plugin::components::Mass) |
 //!
@@ -46,8 +46,8 @@
 //! file may be another, simpler mesh on purpose.
 //!
 //! Other characters than letters, digits and `-` in both names become `_`: `Cube.001` of `house.v2.glb` has the recipe
-//! `house_v2_Cube_001.bake.ron`. No file is used for a mesh without a name, with [`ColliderSettings::bake`], for a part
-//! of a mesh, or if Bevy's loader has turned the mesh (`GltfConvertCoordinates::rotate_meshes`).
+//! `house_v2_Cube_001.bake.ron`. No file is used for a mesh without a name, with [`ColliderSettings::bake`] or a
+//! rounding, for a part of a mesh, or if Bevy's loader has turned the mesh (`GltfConvertCoordinates::rotate_meshes`).
 
 mod error;
 mod extras;

@@ -206,11 +206,12 @@ impl Planner<'_, '_, '_> {
                 .map(|other| other.entity)
                 .filter(|&other| made(other).is_some());
             self.plan.unwanted.extend(unwanted);
-            let beside = (group.len() == count && first.settings.bake.is_none()).then(|| self.beside(first));
+            let bake = first.settings.bake_settings();
+            let beside = (group.len() == count && bake.is_none()).then(|| self.beside(first));
             let wanted = MadeFrom {
                 source: Source {
                     meshes: group.iter().map(|primitive| primitive.mesh.clone()).collect(),
-                    settings: first.settings.bake,
+                    settings: bake,
                     beside: beside.flatten(),
                 },
                 settings: first.settings.clone(),

@@ -82,6 +82,9 @@ pub struct ColliderSettings {
     /// How to bake the mesh. With `None` a baked mesh or recipe beside the file is used if there is one, and the
     /// default otherwise.
     pub bake: Option<BakeSettings>,
+    /// Radius of the rounding, mesh units. It takes the place of that in [`ColliderSettings::bake`]; a baked mesh or recipe
+    /// beside the file is then not used.
+    pub rounding: Option<f32>,
 }
 
 /// Triggered on the entity of a [`MeshColliderHierarchy`] when all its colliders are made or refused: after the scene
@@ -138,6 +141,17 @@ impl MeshColliderHierarchy {
 }
 
 impl ColliderSettings {
+    /// How to bake the mesh, with the rounding.
+    pub(super) fn bake_settings(&self) -> Option<BakeSettings> {
+        match self.rounding {
+            Some(rounding) => Some(BakeSettings {
+                rounding,
+                ..self.bake.unwrap_or_default()
+            }),
+            None => self.bake,
+        }
+    }
+
     /// These settings, completed by the settings of `below` where they are `None`.
     pub(super) fn over(&self, below: &Self) -> Self {
         Self {
@@ -149,6 +163,7 @@ impl ColliderSettings {
             layers: self.layers.or(below.layers),
             sensor: self.sensor.or(below.sensor),
             bake: self.bake.or(below.bake),
+            rounding: self.rounding.or(below.rounding),
         }
     }
 }

@@ -81,7 +81,8 @@ impl SpatialQuery<'_, '_> {
         Some(self.hit(&hit))
     }
 
-    /// The first hit of a ray for which `predicate` holds. It may be called for hits behind the first one.
+    /// The first hit of a ray for which `predicate` holds. It may be called for hits behind the first one. Of a rounded
+    /// collider only the first hit is tried.
     pub fn cast_ray_predicate(
         &self,
         origin: Vec3,
@@ -100,7 +101,7 @@ impl SpatialQuery<'_, '_> {
     }
 
     /// All hits of a ray, in the order of distance: each face that it passes through. A ray through the common edge of
-    /// two faces hits both.
+    /// two faces hits both. A rounded collider has only its first hit.
     pub fn ray_hits(
         &self,
         origin: Vec3,

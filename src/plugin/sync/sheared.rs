@@ -3,6 +3,7 @@
 use crate::asset::{CollisionMesh, ImportError};
 use crate::plugin::assets::LoadError;
 use crate::plugin::assets::jobs::on_bake_pool;
+use crate::projection::BakeSettings;
 use crate::state::mesh_arena::MeshArena;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::math::DMat3;
@@ -153,7 +154,12 @@ impl ShearedMeshes {
         let bake = on_bake_pool(move |pool, progress| {
             let sheared = mesh.mesh.mapped(|v| (stretch * v.as_dvec3()).as_vec3());
             let sheared = sheared.map_err(ImportError::from)?;
-            Ok(CollisionMesh::bake(&sheared, mesh.settings, pool, progress)?)
+            let scales = [stretch.x_axis, stretch.y_axis, stretch.z_axis].map(|axis| axis.length());
+            let settings = BakeSettings {
+                rounding: mesh.settings.rounding * scales.into_iter().fold(f64::INFINITY, f64::min) as f32,
+                ..mesh.settings
+            };
+            Ok(CollisionMesh::bake(&sheared, settings, pool, progress)?)
         });
         self.copies.push(ShearedCopy {
             number,

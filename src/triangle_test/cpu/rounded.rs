@@ -9,7 +9,6 @@ use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::BoxGroup;
 use crate::state::{Contact, PlacedMesh};
 use glam::DVec3;
-use std::ops::ControlFlow;
 
 /// Triangles of both cores whose roundings touch.
 pub struct Touch {
@@ -20,11 +19,11 @@ pub struct Touch {
     pub contact: Contact,
 }
 
-/// Calls `found` with all pairs of triangles that touch, until it breaks. Cores that cross are left out: they have no
-/// direction.
-pub fn touches(pair @ [a, b]: [&PlacedMesh; 2], mut found: impl FnMut(Touch) -> ControlFlow<()>) {
-    let reach = f64::from(a.rounding) + f64::from(b.rounding);
-    if reach == 0.0 {
+/// Calls `found` with all pairs of triangles that touch. It returns the distance of cores of interest from then on;
+/// minus infinity ends the search. Cores that cross are left out: they have no direction.
+pub fn touches(pair @ [a, b]: [&PlacedMesh; 2], mut found: impl FnMut(Touch) -> f64) {
+    let rounding = f64::from(a.rounding) + f64::from(b.rounding);
+    if rounding == 0.0 {
         return;
     }
     let count = |body: &PlacedMesh| body.mesh.mesh.triangles().len();
@@ -33,14 +32,14 @@ pub fn touches(pair @ [a, b]: [&PlacedMesh; 2], mut found: impl FnMut(Touch) -> 
     let search = Search {
         outer: pair[outer],
         inner: pair[1 - outer],
-        reach,
     };
+    let mut reach = rounding;
     for triangle in 0..count(search.inner) {
-        let result = search.near(triangle, &mut |other, distance, [on_outer, way]| {
+        reach = search.near(triangle, reach, &mut |other, distance, [on_outer, way]| {
             let normal = if outer == 0 { way } else { -way };
             let own = triangle as u32;
             let triangles = if outer == 0 { [other, own] } else { [own, other] };
-            let middle = on_outer + way * (f64::from(search.outer.rounding) + 0.5 * (distance - reach));
+            let middle = on_outer + way * (f64::from(search.outer.rounding) + 0.5 * (distance - rounding));
             found(Touch {
                 triangles,
                 distance,
@@ -50,7 +49,7 @@ pub fn touches(pair @ [a, b]: [&PlacedMesh; 2], mut found: impl FnMut(Touch) -> 
                 },
             })
         });
-        if result.is_break() {
+        if reach < 0.0 {
             return;
         }
     }
@@ -59,18 +58,13 @@ pub fn touches(pair @ [a, b]: [&PlacedMesh; 2], mut found: impl FnMut(Touch) -> 
 struct Search<'a> {
     outer: &'a PlacedMesh<'a>,
     inner: &'a PlacedMesh<'a>,
-    reach: f64,
 }
 
 impl Search<'_> {
-    /// Calls `found` with the triangles of the outer mesh within the reach of one of the inner mesh, their distance, the
-    /// nearest point of the outer mesh, and the direction from there, in the world.
-    fn near(
-        &self,
-        triangle: usize,
-        found: &mut impl FnMut(u32, f64, [DVec3; 2]) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        let Self { outer, inner, reach } = self;
+    /// Calls `found` with the triangles of the outer mesh within `reach` of one of the inner mesh, their distance, the
+    /// nearest point of the outer mesh, and the direction from there, in the world. Returns the reach that it returns.
+    fn near(&self, triangle: usize, mut reach: f64, found: &mut impl FnMut(u32, f64, [DVec3; 2]) -> f64) -> f64 {
+        let Self { outer, inner } = self;
         // In the outer mesh's axes, in metres, about its origin.
         let to_outer = outer.frame.rotation.transpose();
         let own = inner.mesh.mesh.corners(triangle).map(|p| {
@@ -90,22 +84,22 @@ impl Search<'_> {
             bitmask(all_le(apart, add(mul(load_points(simd, &group.half), size), half)))
         };
         let mesh = &outer.mesh.mesh;
-        let mut result = ControlFlow::Continue(());
         visit(&outer.mesh.lanes().levels, met, |cluster| {
             let first = cluster as usize * CLUSTER;
             for t in first..mesh.triangles().len().min(first + CLUSTER) {
                 let corners = mesh.corners(t).map(|p| outer.frame.scale * p.as_dvec3());
                 let near = nearest(&corners, &own);
-                if near.distance <= *reach && near.distance > 0.0 {
+                if near.distance <= reach && near.distance > 0.0 {
                     let point = outer.frame.position + outer.frame.rotation * near.from;
-                    result = found(t as u32, near.distance, [point, outer.frame.rotation * near.direction]);
-                    if result.is_break() {
-                        return false;
-                    }
+                    reach = reach.min(found(
+                        t as u32,
+                        near.distance,
+                        [point, outer.frame.rotation * near.direction],
+                    ));
                 }
             }
-            true
+            reach >= 0.0
         });
-        result
+        reach
     }
 }
