@@ -178,7 +178,7 @@ impl MeshFeatures {
                 }
             }
             let [p, q, r] = mesh.corners(t).map(|p| p.as_dvec3());
-            // Never zero: a valid mesh has no triangles of zero area.
+            // Only the triangle of a segment has no area.
             let normal = (q - p).cross(r - p).normalize_or(DVec3::Z).as_vec3();
             self.triangles.push(triangle);
             self.normals.push(normal);

@@ -276,7 +276,7 @@ impl TriMesh {
         &self.vertices
     }
 
-    /// The triangles of non-zero area: three vertex indices each.
+    /// The triangles of non-zero area: three vertex indices each. A segment has one triangle, without area.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }

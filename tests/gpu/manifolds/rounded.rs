@@ -46,11 +46,11 @@ fn capsules() -> Vec<CollisionMesh> {
 }
 
 fn rounded_boxes() -> Vec<CollisionMesh> {
-    // The last one's core is flat.
+    // The last one's core is thin.
     let all = [
         (Vec3::ONE, 0.1),
         (Vec3::new(0.8, 0.4, 0.6), 0.05),
-        (Vec3::new(0.5, 0.3, 0.9), 0.15),
+        (Vec3::new(0.5, 0.3, 0.9), 0.14),
     ];
     all.map(|(size, rounding)| CollisionMesh::cuboid(size, rounding).unwrap())
         .into()
