@@ -59,7 +59,7 @@ pub fn reads(name: &str, bytes: &[u8]) -> bool {
 }
 
 /// Length of the header of a baked file without what follows from its content.
-pub const HEADER: usize = 72;
+pub const HEADER: usize = 76;
 
 /// A baked file from a header and its content, with a length and a checksum that are right. Random changes of a whole
 /// file would only ever test the checksum.
