@@ -183,7 +183,7 @@ fn boxes_near(pair: Pair, nodes: vec2<u32>) -> bool {
         && all(abs(apart * pair.rotation) <= half_b + half_a * spread + reach);
 }
 
-// The touch of two triangles. Those that cross have none: they have no direction.
+// The touch of two triangles. Triangles that cross have none, because they have no direction.
 fn touch_of(pair: Pair, triangles: vec2<u32>) -> RoundedTouch {
     var touch: RoundedTouch;
     if triangles.x >= meshes[pair.mesh_a].triangle_count || triangles.y >= meshes[pair.mesh_b].triangle_count {

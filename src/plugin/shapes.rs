@@ -4,6 +4,7 @@
 use crate::asset::{CollisionMesh, ShapeError};
 use crate::plugin::components::MeshCollider;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
+use crate::plugin::sync::changes::any_changed;
 use crate::plugin::sync::named;
 use bevy::ecs::component::Mutable;
 use bevy::ecs::lifecycle::HookContext;
@@ -333,15 +334,31 @@ fn shape_inserted<T: ShapeCollider>(mut world: DeferredWorld, context: HookConte
 
 /// Sets the meshes of shapes that have changed, or whose collider a scene has replaced.
 fn follow<T: ShapeCollider>(
-    mut shapes: Query<(Entity, Option<&Name>, Ref<T>, &mut MeshCollider), Or<(Changed<T>, Changed<MeshCollider>)>>,
+    mut shapes: ParamSet<(
+        Query<(Entity, Ref<T>, Ref<MeshCollider>)>,
+        Query<(Option<&Name>, Ref<T>, &mut MeshCollider)>,
+    )>,
+    mut changed: Local<Vec<Entity>>,
     made: Option<ResMut<ShapeMeshes>>,
     meshes: Option<ResMut<Assets<CollisionMesh>>>,
 ) {
     let (Some(mut made), Some(meshes)) = (made, meshes) else {
         return;
     };
-    let mut meshes = Mut::from(meshes);
-    for (entity, name, shape, mut collider) in &mut shapes {
+    changed.clear();
+    for (entities, shapes, colliders) in shapes.p0().contiguous_iter().into_iter().flatten() {
+        let mut add = |i: usize| {
+            changed.push(entities[i]);
+            false
+        };
+        any_changed(shapes, &mut add);
+        any_changed(colliders, &mut add);
+    }
+    let (mut shapes, mut meshes) = (shapes.p1(), Mut::from(meshes));
+    for &entity in &*changed {
+        let Ok((name, shape, mut collider)) = shapes.get_mut(entity) else {
+            continue;
+        };
         // If an entity has two shapes, the one that was set last counts.
         if !shape.is_changed() && collider.0 != Handle::default() {
             continue;

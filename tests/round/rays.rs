@@ -29,12 +29,11 @@ impl<'a> Case<'a> {
 
     /// The way from a segment to the core.
     fn distance(&self, segment: [DVec3; 2]) -> DVec3 {
-        let probe = [[segment[0], segment[1], segment[1]]];
         let ways = self.triangles.iter().map(|triangle| {
             if self.shape.mesh.mesh.is_thin() {
                 crate::distance::between_segments(segment, [triangle[0], triangle[2]])
             } else {
-                crate::distance::segment_to_triangle([probe[0][0], probe[0][1]], *triangle)
+                crate::distance::segment_to_triangle(segment, *triangle)
             }
         });
         ways.fold(DVec3::splat(1.0e30), |p, q| if q.length() < p.length() { q } else { p })

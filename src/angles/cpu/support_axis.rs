@@ -58,8 +58,7 @@ pub fn best_axis([a, b]: [&PlacedMesh; 2], margin: f32) -> Option<NearPair> {
         // The support point of a scaled body along u is the scaled support point along the scaled u.
         let pa = a.core_support(u);
         let pb = translation + rotation * b.core_support(to_b * -u);
-        let (a_below, b_above) = (pa.dot(u), pb.dot(u));
-        let (a_below, b_above) = (a_below + a.rounding, b_above - b.rounding);
+        let (a_below, b_above) = (pa.dot(u) + a.rounding, pb.dot(u) - b.rounding);
         let overlap = a_below - b_above;
         if overlap < -2.0 * pad - margin {
             return None;

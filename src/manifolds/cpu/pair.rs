@@ -363,7 +363,6 @@ pub struct Pair<'a> {
     pub size: f64,
     /// Radii of the bounding spheres.
     pub radii: [f32; 2],
-
     /// From the second body's axes to the first's.
     pub relative_rotation: DMat3,
     /// From the first body's axes to the world.

@@ -57,18 +57,25 @@ impl<T: Component> Changes<'_, '_, T> {
             return true;
         };
         tables.into_iter().any(|(entities, components, kinds)| {
-            let (_, ticks) = ContiguousRef::split(components);
-            // Without an early exit, so that the loop uses vector instructions. In most tables nothing has changed.
-            if !ticks.is_changed_iter().fold(false, |any, own| any | own) {
-                return false;
-            }
-            let mut changed = ticks
-                .is_changed_iter()
-                .enumerate()
-                .filter(|(_, is_changed)| *is_changed);
-            changed.any(|(i, _)| kept.note_written(entities[i], kinds.map(|kinds| kinds[i])))
+            any_changed(components, |i| {
+                kept.note_written(entities[i], kinds.map(|kinds| kinds[i]))
+            })
         })
     }
+}
+
+/// Whether `found` holds for a row of a table whose component has changed. Later rows are then not asked.
+pub(crate) fn any_changed<T: Component>(components: ContiguousRef<T>, mut found: impl FnMut(usize) -> bool) -> bool {
+    let (_, ticks) = ContiguousRef::split(components);
+    // Without an early exit, so that the loop uses vector instructions. In most tables nothing has changed.
+    if !ticks.is_changed_iter().fold(false, |any, own| any | own) {
+        return false;
+    }
+    let mut changed = ticks
+        .is_changed_iter()
+        .enumerate()
+        .filter(|(_, is_changed)| *is_changed);
+    changed.any(|(i, _)| found(i))
 }
 
 /// The changes of all components of colliders and bodies that a step reads, except components that the step writes to
