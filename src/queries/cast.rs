@@ -1,6 +1,5 @@
 //! Casts: where a shape that moves along a line first touches one placed mesh.
 
-use super::bounds::{Boxes, Swept};
 use super::placed::Placed;
 use super::point::FARTHEST;
 use super::ray::unit;
@@ -8,6 +7,7 @@ use super::shape::{PlacedShape, QueryShape, Round};
 use crate::ccd;
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::linear_cast::{self, First};
+use crate::simd::bounds::{Boxes, Swept};
 use crate::simd::lanes::{Simd, bits, splat_point};
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit_nearest;

@@ -67,7 +67,6 @@
 //!
 //! Lengths are metres, masses kilograms, angles radians.
 
-mod bounds;
 mod cast;
 pub mod check;
 mod contacts;

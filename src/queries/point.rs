@@ -1,9 +1,9 @@
 //! The nearest point of one placed mesh, and whether a point is inside it.
 
-use super::bounds::{Boxes, Near};
 use super::placed::Placed;
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::distance::closest;
+use crate::simd::bounds::{Boxes, Near};
 use crate::simd::lanes::{Simd, bits, splat_point};
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit_nearest;

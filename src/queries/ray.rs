@@ -1,9 +1,9 @@
 //! Rays against one placed mesh, exact on its triangles.
 
-use super::bounds::{Boxes, Swept};
 use super::placed::Placed;
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::linear_cast::line_meets;
+use crate::simd::bounds::{Boxes, Swept};
 use crate::simd::lanes::{Simd, bits};
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit_nearest;

@@ -12,7 +12,7 @@ use super::near_clusters::NearClusters;
 use super::near_features::{BESIDE, NearFeatures};
 use super::pair::{Pair, ROUNDING};
 use super::search::FeatureQuery;
-use super::side::{Side, Triangle};
+use super::side::Triangle;
 use crate::parallel::loops;
 use crate::simd::lanes::Simd;
 use crate::simd::level::with_simd;
@@ -99,14 +99,15 @@ impl FeatureFinder {
         let crosses = shares.iter().any(|share| !share.segments.is_empty());
         let features = shares.iter().flat_map(|share| &share.features);
         let distance = if crosses { 0.0 } else { least_distance(features) };
+        let is_rounded = pair.rounding() > 0.0;
         // Only the nearest features of solids count.
-        let one_sided = pair.rounding() == 0.0 && pair.sides.iter().all(|side| side.features.one_sided.all());
+        let one_sided = !is_rounded && pair.sides.iter().all(|side| side.features.one_sided.all());
         let most = if one_sided {
             distance.min(query.margin)
         } else {
             query.margin
         };
-        nearest.set_limits(query.margin, distance);
+        nearest.set_limits(query.margin, distance, is_rounded);
         for (share, candidates) in shares.iter_mut().zip(&mut kept.shares) {
             match source {
                 Source::Search(search) => {
@@ -151,12 +152,12 @@ impl FeatureFinder {
     }
 
     /// Writes the features that were found, in order.
-    pub fn features(&mut self, sides: &[Side; 2], to: &mut Vec<Feature>) {
+    pub fn features(&mut self, to: &mut Vec<Feature>) {
         to.clear();
         for share in &self.shares[..self.count] {
             to.extend_from_slice(&share.features);
         }
-        self.nearest.append_to(sides, to);
+        self.nearest.append_to(to);
     }
 
     /// Writes the segments that were found, in order.

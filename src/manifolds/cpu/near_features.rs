@@ -5,7 +5,6 @@
 //! later, so all of their features count. Rounded bodies touch at all places where their cores are nearest.
 
 use super::feature::{Feature, Origin, TrianglePair};
-use super::side::{Side, rounding};
 
 /// A feature must be nearer than others by this part.
 pub(crate) const NEARER: f64 = 1.0 - 1.0e-6;
@@ -21,6 +20,8 @@ pub struct NearFeatures {
     /// Features with a two-sided triangle, or of rounded bodies.
     all_count: Vec<Feature>,
     margin: f64,
+    /// Whether all features count, those of one-sided triangles too: the bodies are rounded.
+    is_rounded: bool,
     /// The least distance of other features.
     others: f64,
     /// The least distance of features of one-sided triangles so far.
@@ -38,9 +39,10 @@ impl NearFeatures {
         self.all_count.clear();
     }
 
-    /// Sets the largest distance of features, and the least of other ones.
-    pub fn set_limits(&mut self, margin: f64, others: f64) {
+    /// Sets the largest distance of features, the least of other ones, and whether the bodies are rounded.
+    pub fn set_limits(&mut self, margin: f64, others: f64, is_rounded: bool) {
         (self.margin, self.others, self.least) = (margin, others, f64::INFINITY);
+        self.is_rounded = is_rounded;
     }
 
     /// The largest distance at which features of one-sided triangles can still count.
@@ -55,7 +57,7 @@ impl NearFeatures {
             let one_sided = &pair.sides[i].features.one_sided;
             one_sided.is(pair.triangles[i].number as usize)
         });
-        if one_sided && rounding(pair.sides) == 0.0 {
+        if one_sided && !self.is_rounded {
             pair.nearest_features(self.most(), |feature| {
                 self.least = self.least.min(feature.separation);
                 self.of_solids.push(feature);
@@ -66,9 +68,9 @@ impl NearFeatures {
     }
 
     /// Appends the features that count to the pair's other features.
-    pub fn append_to(&mut self, sides: &[Side; 2], features: &mut Vec<Feature>) {
+    pub fn append_to(&mut self, features: &mut Vec<Feature>) {
         if !self.all_count.is_empty() {
-            self.drop_known(rounding(sides) > 0.0, features);
+            self.drop_known(features);
         }
         let most = self.least + BESIDE * self.margin;
         let counts = |feature: &&Feature| feature.separation <= most;
@@ -78,12 +80,12 @@ impl NearFeatures {
 
     /// Drops features of edges that have one and, without rounding, of a vertex that is over a face of the other body
     /// and nearer to that. A rounded vertex may touch a face and an edge.
-    fn drop_known(&mut self, is_rounded: bool, features: &[Feature]) {
+    fn drop_known(&mut self, features: &[Feature]) {
         self.vertices.clear();
         self.edges.clear();
         for feature in features {
             match feature.origin {
-                Origin::Vertex { side, vertex } if !is_rounded => {
+                Origin::Vertex { side, vertex } if !self.is_rounded => {
                     self.vertices.push(((side, vertex), feature.separation))
                 }
                 Origin::Edges(edges) if feature.separation >= 0.0 => self.edges.push((feature.triangles, edges)),

@@ -135,7 +135,7 @@ impl Worker {
                 0
             }
         };
-        finder.features(sides, features);
+        finder.features(features);
         contours.clear();
         finder.segments(&mut contours.segments);
         if contours.segments.is_empty() {
@@ -199,7 +199,7 @@ impl Worker {
             finder.find(pair, &query, &mut kept.deep, threads, |feature| {
                 contours.admits(feature, true)
             });
-            finder.features(sides, deep);
+            finder.features(deep);
             keep_shallowest(deep);
             deep.iter().for_each(|feature| contours.keep(feature));
             features.append(deep);

@@ -8,16 +8,15 @@ use super::feature::{Feature, OUTSIDE, Origin, TrianglePair};
 use super::feature_bits::{FACE_BIT, owned_features};
 use super::inside;
 use super::near_features::NearFeatures;
-use super::side::{Side, Triangle};
+use super::side::{Side, Triangle, rounding};
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::distance::{closest, nearest};
-use crate::simd::lanes::{
-    Points, Simd, abs, add, all_le, bitmask, bits, load_points, max, min, mul, scale, splat, splat_point, sub,
-};
+use crate::simd::bounds::{Boxes, Near};
+use crate::simd::lanes::{Simd, bits, splat_point};
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
-use crate::state::mesh_arena::{BoxGroup, Cluster};
+use crate::state::mesh_arena::BoxGroup;
 use crate::state::pairs::DEFAULT_DIRECTION;
 use glam::DVec3;
 use std::ops::RangeInclusive;
@@ -87,7 +86,7 @@ impl ThinSearch {
     ) -> Found {
         let Self { candidates, nearest } = self;
         nearest.clear();
-        nearest.set_limits(*range.end(), 0.0);
+        nearest.set_limits(*range.end(), 0.0, rounding(sides) > 0.0);
         let own = sides[thin].triangle(0);
         let owned_by_thin = sides[thin].features.owned[0];
         let mut found = Found {
@@ -115,7 +114,7 @@ impl ThinSearch {
                 found.pierced = out;
             }
         }
-        nearest.append_to(sides, features);
+        nearest.append_to(features);
         found
     }
 }
@@ -189,29 +188,16 @@ fn collect<S: Simd>(simd: S, thin: &Side, other: &Side, reach: f64, candidates: 
         let vertex = thin.vertex(thin.features.triangles[0][k]);
         (other.to_mesh(vertex) - center) * other.scale.as_dvec3()
     });
-    let pad = f64::from(PAD) * (other.diameter() + thin.diameter());
-    let half = (0.5 * (end - start)).abs() + (reach + pad);
-    let (middle, half) = (
-        splat_point(simd, (0.5 * (start + end)).as_vec3()),
-        splat_point(simd, half.as_vec3()),
-    );
-    let (scales, sizes) = (splat_point(simd, other.scale), splat_point(simd, other.scale.abs()));
-    let meets = |center: Points<S>, extent: Points<S>| {
-        let apart = abs(sub(mul(center, scales), middle));
-        bitmask(all_le(apart, add(mul(extent, sizes), half)))
-    };
-    let met = |group: &BoxGroup| meets(load_points(simd, &group.center), load_points(simd, &group.half));
+    let pad = PAD * (other.diameter() + thin.diameter()) as f32;
+    let near = Near::new(simd, 0.5 * (start + end), (0.5 * (end - start)).abs(), pad);
+    let (scales, reach) = (splat_point(simd, other.scale), (reach * (1.0 + 1.0e-6)) as f32);
+    let met = |group: &BoxGroup| near.bounds(&Boxes::of(simd, group).scaled(scales), reach).1;
     visit(&lanes.levels, met, |number| {
-        let cluster: &Cluster = &lanes.clusters[number as usize];
-        let [p, q, r] = [0, 1, 2].map(|k| load_points(simd, &cluster.corners[k]));
-        let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
-        let (origin, part) = (
-            splat_point(simd, (cluster.origin.as_dvec3() - center).as_vec3()),
-            splat(simd, 0.5),
-        );
-        let near = meets(add(scale(add(low, high), part), origin), scale(sub(high, low), part));
+        let cluster = &lanes.clusters[number as usize];
+        let boxes = Boxes::of_triangles(simd, cluster, mesh.mass.center).scaled(scales);
+        let (_, met) = near.bounds(&boxes, reach);
         let first = number * CLUSTER as u32;
-        candidates.extend(bits(near & cluster.lanes).map(|lane| first + lane as u32));
+        candidates.extend(bits(met).map(|lane| first + lane as u32));
         true
     });
 }

@@ -3,8 +3,8 @@
 use crate::geometry::Aabb;
 use crate::geometry::cluster::compact_order;
 use crate::geometry::lanes::{BoxGroup, box_levels};
-use crate::queries::bounds::{Boxes, Near, Swept};
 use crate::queries::placed::Placed;
+use crate::simd::bounds::{Boxes, Near, Swept};
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit_nearest;
 use glam::{DVec3, Vec3};

@@ -2,7 +2,8 @@
 
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::distance::nearest;
-use crate::simd::lanes::{abs, add, all_le, bitmask, load_points, mul, splat_point, sub};
+use crate::simd::bounds::{Boxes, Near};
+use crate::simd::lanes::splat_point;
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
@@ -75,14 +76,10 @@ impl Search<'_> {
         let low = own[0].min(own[1]).min(own[2]) - center;
         let high = own[0].max(own[1]).max(own[2]) - center;
         let simd = baseline();
-        let pad = f64::from(PAD * (outer.radius + inner.radius));
-        let middle = splat_point(simd, (0.5 * (low + high)).as_vec3());
-        let half = splat_point(simd, (0.5 * (high - low) + (reach + pad)).as_vec3());
-        let (scale, size) = (splat_point(simd, outer.scale), splat_point(simd, outer.scale.abs()));
-        let met = |group: &BoxGroup| {
-            let apart = abs(sub(mul(load_points(simd, &group.center), scale), middle));
-            bitmask(all_le(apart, add(mul(load_points(simd, &group.half), size), half)))
-        };
+        let pad = PAD * (outer.radius + inner.radius);
+        let near_box = Near::new(simd, 0.5 * (low + high), 0.5 * (high - low), pad);
+        let (scales, most) = (splat_point(simd, outer.scale), (reach * (1.0 + 1.0e-6)) as f32);
+        let met = |group: &BoxGroup| near_box.bounds(&Boxes::of(simd, group).scaled(scales), most).1;
         let mesh = &outer.mesh.mesh;
         visit(&outer.mesh.lanes().levels, met, |cluster| {
             let first = cluster as usize * CLUSTER;
