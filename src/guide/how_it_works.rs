@@ -199,7 +199,9 @@
 //!   normal.
 //! * **Bias passes** push overlapping bodies apart, **relax passes** then remove the velocity that this added. A pass
 //!   is projected Gauss-Seidel over the pairs of an island, with an extrapolation between passes, until the velocities
-//!   have converged. Large islands get fewer passes. Heavy loads get more substeps, with fewer passes each on a GPU.
+//!   have converged. Large islands get fewer passes. On the CPU, a sparse island whose passes do not converge, such as
+//!   a taut chain or a heavy body on a light one, is solved directly, and its contact springs are as stiff as its loads
+//!   ask for. Other islands under heavy loads get more substeps, with fewer passes each on a GPU.
 //!   Pairs are coloured, and pairs of one colour have no moving body in common, so that several are solved at once.
 //! * **Friction** stays within Coulomb's cone. In a flat patch it acts over the area and not at the corners.
 //! * **Impacts** are resolved in the substep in which they happen, for all contacts of the island at once.

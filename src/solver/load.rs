@@ -1,12 +1,14 @@
-//! How many substeps an island needs so that its contact springs hold their loads.
+//! Contact springs that hold their loads.
 //!
 //! A contact gives way by a distance that is proportional to its load, and to the square of the length of a substep. A
-//! heavy body on a light one would press it flat; with shorter substeps the springs are stiffer.
+//! heavy body on a light one would press it flat. An island that can be solved directly gets stiffer springs. Passes
+//! would not converge with these, so another island gets more substeps: springs of shorter substeps are stiffer.
 
-use super::batch::{Batches, PointLanes, RowLanes};
+use super::batch::{Batch, Batches, PointLanes, RowLanes};
 use super::colors::LANES;
 use super::constraints::BundlesMut;
 use super::contact::Pair;
+use super::direct::{Direct, DirectIslands};
 use super::group::Group;
 use super::pace::Pace;
 use super::prepare::Source;
@@ -17,6 +19,11 @@ use std::f32::consts::TAU;
 
 /// A contact at rest may give way by this fraction of D: a little more than the gap that it keeps.
 pub(super) const MAX_COMPRESSION: f32 = 0.0007;
+/// Springs that would give way by more than this multiple of what they may are under a heavy load. More substeps are
+/// better for lighter ones: stiff springs make small bodies rock.
+pub(super) const HEAVY: f32 = 32.0;
+/// An island that is solved directly may have stiffer springs: they give way by this part of it.
+pub(super) const SPARE: f32 = 8.0;
 /// Largest factor on the number of substeps.
 pub(super) const MAX_FACTOR: f32 = 16.0;
 /// The impulse of a point counts up to this multiple of the impulse that its pair transmits.
@@ -30,14 +37,16 @@ pub(super) const SQUEEZED: f32 = 0.01;
 /// Points times factor of an island.
 pub(super) const POINT_BUDGET: f32 = 2000.0;
 
-/// Factors on the number of substeps of a bundle's islands, by their pace and numbers of points. The points have the
-/// impulses of the last collision substep.
-pub(super) fn substep_factors(
+/// Makes the springs of a bundle's islands hold their loads: those of islands that can be solved directly become
+/// stiffer. Returns factors on the number of substeps of the islands, for others that need it. The islands have these
+/// paces and numbers of points, and the points have the impulses of the last collision substep.
+pub(super) fn hold(
     bundle: &mut BundlesMut,
     group: &Group,
     point_counts: &[u32; LANES],
     source: &Source,
     pace: Pace,
+    direct: &mut DirectIslands,
 ) -> [u32; LANES] {
     let h = pace.h();
     let loads = Loads {
@@ -46,19 +55,25 @@ pub(super) fn substep_factors(
         h,
     };
     let mut compressions = [0.0f32; LANES];
-    let mut pairs = bundle.pairs.iter();
-    for (batch, points) in Batches::new(bundle.batches, bundle.lanes) {
-        for (lane, pair) in pairs.by_ref().take(batch.pairs).enumerate() {
-            if pair.depenetrating {
-                continue;
-            }
-            let inverse_masses = pair
-                .slots
-                .map(|slot| bundle.states.masses[slot as usize].inverse_mass.max_element());
-            let compression = loads.compression(pair, inverse_masses, points, lane);
-            let island = group.island(lane);
-            compressions[island] = compressions[island].max(compression);
+    loads.for_each_pair(bundle, |_, lane, compression| {
+        let of_island = &mut compressions[group.island(lane)];
+        *of_island = of_island.max(compression);
+    });
+    let mut stiffer = 0u32;
+    for (island, compression) in compressions.iter_mut().enumerate().filter(|(_, it)| **it > HEAVY) {
+        let lane = group.is_side_by_side().then_some(island);
+        if direct.add(island, Direct::new(bundle.batches, &bundle.states, lane)) {
+            stiffer |= 1 << island;
+            *compression = 1.0;
         }
+    }
+    if stiffer != 0 {
+        loads.for_each_pair(bundle, |batch, lane, compression| {
+            if stiffer >> group.island(lane) & 1 == 1 && compression > 1.0 {
+                batch.softness.0[lane] /= compression * SPARE;
+                batch.softened |= 1 << lane;
+            }
+        });
     }
     std::array::from_fn(|island| {
         let most = (POINT_BUDGET / point_counts[island] as f32).clamp(1.0, MAX_FACTOR);
@@ -76,6 +91,23 @@ struct Loads {
 }
 
 impl Loads {
+    /// Calls `f` with the batch and lane of each pair that is not in deep penetration, and how far its springs give
+    /// way, over how far they may.
+    fn for_each_pair(&self, bundle: &mut BundlesMut, mut f: impl FnMut(&mut Batch, usize, f32)) {
+        let mut pairs = bundle.pairs.iter();
+        for (batch, points) in Batches::new(bundle.batches, bundle.lanes) {
+            for (lane, pair) in pairs.by_ref().take(batch.pairs).enumerate() {
+                if pair.depenetrating {
+                    continue;
+                }
+                let masses = pair.slots.map(|slot| &bundle.states.masses[slot as usize]);
+                let inverse_masses = masses.map(|mass| mass.inverse_mass.max_element());
+                let compression = self.compression(pair, inverse_masses, points, lane);
+                f(batch, lane, compression);
+            }
+        }
+    }
+
     /// How far the springs of the pair in a lane give way under their loads, over how far they may.
     fn compression(&self, pair: &Pair, inverse_masses: [f32; 2], points: &[PointLanes], lane: usize) -> f32 {
         let squeezed = |point: &PointLanes| point.separation.0[lane] < -SQUEEZED * pair.diameter;

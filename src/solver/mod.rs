@@ -4,10 +4,10 @@
 //! substep integrates velocities, warm starts, runs bias passes that push overlapping bodies apart, integrates poses,
 //! runs relax passes that remove the velocity the bias added, and resolves impacts.
 //!
-//! Bodies that contacts connect form an island. A pass is projected Gauss-Seidel over the pairs of an island with an
-//! extrapolation between passes, until the velocities have converged; see `substep`. Islands are independent. Pairs of
-//! an island are coloured, and pairs of one colour, which have no body in common that impulses move, are solved at
-//! once.
+//! Bodies that contacts connect form an island, and islands are independent. A pass is projected Gauss-Seidel over the
+//! pairs of an island with an extrapolation between passes, until the velocities have converged; see `substep`. Pairs
+//! are coloured, and pairs of one colour, which have no body in common that impulses move, are solved at once. On the
+//! CPU, sparse islands whose passes do not converge are solved directly; see `direct`.
 //!
 //! On the CPU an island is solved by one thread: its passes are so short that threads would wait for each other longer
 //! than they compute. It solves up to eight pairs at once, one in each lane of vector instructions; see `batch`. Small
@@ -34,7 +34,8 @@
 //! | `constraints` | all constraints, and the parallel loop over their bundles |
 //! | `prepare` | how constraints are made from manifolds |
 //! | `patch` | where friction acts between flat surfaces |
-//! | `load` | how many substeps an island needs |
+//! | `load` | how stiff contact springs are under load, or how many substeps an island needs |
+//! | `direct` | a direct solve of islands whose passes do not converge |
 //! | `substep` | a collision substep of one bundle |
 //! | `points` | how contact points move with their bodies |
 //! | `pass` | what passes aim at |
@@ -60,6 +61,7 @@ mod clearance;
 mod colors;
 mod constraints;
 mod contact;
+mod direct;
 mod friction;
 #[cfg(feature = "gpu")]
 pub mod gpu;

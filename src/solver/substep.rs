@@ -10,6 +10,7 @@
 use super::batch::{Batch, Batches, PointLanes, load_batches, store_batches};
 use super::colors::{ALL_LANES, LANES};
 use super::constraints::BundlesMut;
+use super::direct::{Direct, DirectIslands};
 use super::group::Group;
 use super::islands::Island;
 use super::load;
@@ -48,7 +49,8 @@ impl BundlesMut<'_> {
         }
         self.load_constraints(&all);
         let point_counts = self.point_counts(&all);
-        let factors = load::substep_factors(self, &all, &point_counts, source, pace);
+        let mut direct = DirectIslands::default();
+        let factors = load::hold(self, &all, &point_counts, source, pace, &mut direct);
         let mut rest = all;
         while !rest.is_empty() {
             let group;
@@ -65,7 +67,7 @@ impl BundlesMut<'_> {
             with_simd!(simd => {
                 self.scale_impulses(simd, 1.0 / factor as f32);
                 for _ in 0..pace.refined(factor).substeps {
-                    self.substep(simd, &group, &pass, &passes);
+                    self.substep(simd, &group, &pass, &passes, &mut direct);
                 }
                 // The saved impulses belong to a substep of the common length.
                 self.scale_impulses(simd, factor as f32);
@@ -143,7 +145,7 @@ impl BundlesMut<'_> {
     }
 
     #[inline(always)]
-    fn substep<S: Simd>(&mut self, simd: S, group: &Group, pass: &Pass, passes: &Passes) {
+    fn substep<S: Simd>(&mut self, simd: S, group: &Group, pass: &Pass, passes: &Passes, direct: &mut DirectIslands) {
         self.integrate_velocities(group);
         self.states.initial_velocities.copy_from_slice(self.states.velocities);
         for (batch, points) in Batches::new(self.batches, self.lanes) {
@@ -152,20 +154,28 @@ impl BundlesMut<'_> {
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             solve::apply_impulses(simd, batch, points, self.states.velocities, splat(simd, 1.0));
         }
-        self.solve(simd, pass, passes, passes.settings.bias_iterations, ALL_LANES);
+        self.solve(simd, pass, passes, passes.settings.bias_iterations, ALL_LANES, direct);
         self.integrate_poses(group);
         let pass = pass.relaxing();
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             move_impulses(simd, batch, points, &mut self.states);
             pass.aim(simd, batch, points);
         }
-        self.solve(simd, &pass, passes, passes.settings.relax_iterations, ALL_LANES);
-        self.apply_restitution(simd, &pass, passes);
+        self.solve(simd, &pass, passes, passes.settings.relax_iterations, ALL_LANES, direct);
+        self.apply_restitution(simd, &pass, passes, direct);
     }
 
     /// Passes over all pairs of the islands in the lanes `live` until they have converged, at least `least` passes.
     #[inline(always)]
-    fn solve<S: Simd>(&mut self, simd: S, pass: &Pass, passes: &Passes, least: u32, mut live: u32) {
+    fn solve<S: Simd>(
+        &mut self,
+        simd: S,
+        pass: &Pass,
+        passes: &Passes,
+        least: u32,
+        mut live: u32,
+        direct: &mut DirectIslands,
+    ) {
         let zero = splat(simd, 0.0);
         let mut last_energy = zero;
         for iteration in 1.. {
@@ -179,7 +189,12 @@ impl BundlesMut<'_> {
                     residual.add_pairs(own, batch.pairs);
                 }
             }
-            live &= !passes.ended(iteration, least, residual.converged());
+            let converged = residual.converged();
+            let ended = passes.ended(iteration, least, converged);
+            if live & ended & !converged != 0 {
+                self.solve_directly(passes, live & ended & !converged, direct);
+            }
+            live &= !ended;
             if live == 0 {
                 break;
             }
@@ -194,8 +209,18 @@ impl BundlesMut<'_> {
         }
     }
 
+    /// Solves the islands of some lanes directly, if they are solved so: their passes have not converged.
+    fn solve_directly(&mut self, passes: &Passes, wanted: u32, direct: &mut DirectIslands) {
+        for number in bits(if passes.side_by_side { wanted } else { 1 }) {
+            let lane = passes.side_by_side.then_some(number);
+            if let Some(island) = direct.get(number, || Direct::new(self.batches, &self.states, lane)) {
+                island.solve(self.batches, self.lanes, &mut self.states);
+            }
+        }
+    }
+
     #[inline(always)]
-    fn apply_restitution<S: Simd>(&mut self, simd: S, pass: &Pass, passes: &Passes) {
+    fn apply_restitution<S: Simd>(&mut self, simd: S, pass: &Pass, passes: &Passes, direct: &mut DirectIslands) {
         let mut fastest = splat(simd, 0.0);
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             let before = &*self.states.initial_velocities;
@@ -209,7 +234,14 @@ impl BundlesMut<'_> {
             for (batch, points) in Batches::new(self.batches, self.lanes) {
                 pass.aim(simd, batch, points);
             }
-            self.solve(simd, &pass, passes, passes.settings.restitution_iterations, live);
+            self.solve(
+                simd,
+                &pass,
+                passes,
+                passes.settings.restitution_iterations,
+                live,
+                direct,
+            );
             for (_, points) in Batches::new(self.batches, self.lanes) {
                 restitution::end_impacts(simd, points);
             }

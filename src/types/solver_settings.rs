@@ -36,7 +36,8 @@ pub struct SolverSettings {
     /// velocity that the bias added. Default 2. Without them chains break.
     pub relax_iterations: u32,
     /// Most passes of either kind. Default 64. Small islands get as many as they need to converge. Large ones get
-    /// fewer, and so do islands under heavy loads on a GPU.
+    /// fewer, and so do islands under heavy loads on a GPU. On the CPU, chains and other sparse islands whose passes do
+    /// not converge are solved directly.
     pub max_iterations: u32,
     /// An island has converged if no pass changes the velocity at a contact by more than this, in m/s.
     /// Default 0.001. Small bodies, and light ones below heavy ones, are solved more exactly.

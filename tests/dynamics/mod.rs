@@ -23,4 +23,5 @@ mod rolling;
 mod same_bits;
 mod small_games;
 mod spin;
+mod taut;
 mod thread;
