@@ -14,8 +14,9 @@
 //!
 //! Contacts are solved until they have converged, or for at most [`SolverSettings::max_iterations`] passes; large
 //! piles get fewer passes. So a heavy body rests on a light one, and towers of small cubes stand. On the CPU, chains and
-//! other sparse groups whose passes do not converge are solved directly: a chain holds a thousand times the mass of its
-//! links, and a taut one gains no energy. On a GPU they get shorter substeps instead, and may stretch.
+//! other sparse groups whose passes do not converge are solved directly: a chain of a hundred links holds a
+//! thousand times the mass of one. On a GPU they get shorter substeps instead, and may stretch. Chains without friction
+//! may come apart under loads.
 //!
 //! [`Response::Impulse`] gives one impulse per touching pair instead, for swarms that only bounce.
 //! [`choose_settings`](super::choose_settings#what-works-with-which-response) tells what works with which response.
