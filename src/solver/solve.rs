@@ -15,6 +15,9 @@ pub(super) const ACTIVATION_DISTANCE: f32 = 5.0;
 /// An error is too large if it moves a body by this fraction of D within a substep, however slow that is.
 pub(super) const MAX_STEP_ERROR: f32 = 1.0e-4;
 
+/// A pair is far from converged if a pass changes its velocity by this multiple of what counts.
+const FAR: f32 = 2.0;
+
 /// Decides which points of a batch are active in this substep. They are up to date with the poses.
 #[inline(always)]
 pub(super) fn begin_substep<S: Simd>(
@@ -120,6 +123,12 @@ impl<S: Simd> Residual<S> {
         }
         self.velocity = batch.velocity.max(self.velocity);
         self.energy = splat(self.energy.simd, sum);
+    }
+
+    /// Lanes with a pair that is far from converged.
+    #[inline(always)]
+    pub fn far(&self) -> u32 {
+        bitmask(self.velocity.simd_gt(splat(self.velocity.simd, FAR)))
     }
 
     /// Lanes in which all pairs have converged.

@@ -192,7 +192,7 @@ impl BundlesMut<'_> {
             let converged = residual.converged();
             let ended = passes.ended(iteration, least, converged);
             if live & ended & !converged != 0 {
-                self.solve_directly(passes, live & ended & !converged, direct);
+                self.solve_directly(passes, live & ended & !converged, residual.far(), direct);
             }
             live &= !ended;
             if live == 0 {
@@ -209,10 +209,19 @@ impl BundlesMut<'_> {
         }
     }
 
-    /// Solves the islands of some lanes directly, if they are solved so: their passes have not converged.
-    fn solve_directly(&mut self, passes: &Passes, wanted: u32, direct: &mut DirectIslands) {
+    /// Solves the islands of some lanes directly, if they are solved so: their passes have not converged. Those of the
+    /// lanes `far` are far from it.
+    fn solve_directly(&mut self, passes: &Passes, wanted: u32, far: u32, direct: &mut DirectIslands) {
         for number in bits(if passes.side_by_side { wanted } else { 1 }) {
             let lane = passes.side_by_side.then_some(number);
+            let is_far = if passes.side_by_side {
+                far >> number & 1 == 1
+            } else {
+                far != 0
+            };
+            if !is_far && !direct.is_loaded(number) {
+                continue;
+            }
             if let Some(island) = direct.get(number, || Direct::new(self.batches, &self.states, lane)) {
                 island.solve(self.batches, self.lanes, &mut self.states);
             }

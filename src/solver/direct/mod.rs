@@ -36,8 +36,9 @@ use super::colors::LANES;
 #[derive(Default)]
 pub(super) struct DirectIslands {
     islands: [Option<Direct>; LANES],
-    /// Bits of islands of which it is known whether they are.
+    /// Bits of islands of which it is known whether they are, and of those under a heavy load.
     asked: u32,
+    loaded: u32,
 }
 
 impl DirectIslands {
@@ -45,8 +46,14 @@ impl DirectIslands {
     /// can.
     pub fn add(&mut self, number: usize, island: Option<Direct>) -> bool {
         self.asked |= 1 << number;
+        self.loaded |= 1 << number;
         self.islands[number] = island;
         self.islands[number].is_some()
+    }
+
+    /// Whether the island of this number is under a heavy load.
+    pub fn is_loaded(&self, number: usize) -> bool {
+        self.loaded >> number & 1 == 1
     }
 
     /// The island of this number if it can be solved directly, and is under a heavy load or like a chain. `new` makes
