@@ -4,7 +4,7 @@
 //! heavy body on a light one would press it flat. An island that can be solved directly gets stiffer springs. Passes
 //! would not converge with these, so another island gets more substeps: springs of shorter substeps are stiffer.
 
-use super::batch::{Batch, Batches, PointLanes, RowLanes};
+use super::batch::{Batches, PointLanes, RowLanes};
 use super::colors::LANES;
 use super::constraints::BundlesMut;
 use super::contact::Pair;
@@ -68,12 +68,12 @@ pub(super) fn hold(
         }
     }
     if stiffer != 0 {
-        loads.for_each_pair(bundle, |batch, lane, compression| {
+        loads.for_each_pair(bundle, |pair, lane, compression| {
             if stiffer >> group.island(lane) & 1 == 1 && compression > 1.0 {
-                batch.softness.0[lane] /= compression * SPARE;
-                batch.softened |= 1 << lane;
+                pair.softness /= compression * SPARE;
             }
         });
+        bundle.load_constraints(group);
     }
     std::array::from_fn(|island| {
         let most = (POINT_BUDGET / point_counts[island] as f32).clamp(1.0, MAX_FACTOR);
@@ -91,10 +91,10 @@ struct Loads {
 }
 
 impl Loads {
-    /// Calls `f` with the batch and lane of each pair that is not in deep penetration, and how far its springs give
-    /// way, over how far they may.
-    fn for_each_pair(&self, bundle: &mut BundlesMut, mut f: impl FnMut(&mut Batch, usize, f32)) {
-        let mut pairs = bundle.pairs.iter();
+    /// Calls `f` with each pair that is not in deep penetration, its lane, and how far its springs give way, over how
+    /// far they may.
+    fn for_each_pair(&self, bundle: &mut BundlesMut, mut f: impl FnMut(&mut Pair, usize, f32)) {
+        let mut pairs = bundle.pairs.iter_mut();
         for (batch, points) in Batches::new(bundle.batches, bundle.lanes) {
             for (lane, pair) in pairs.by_ref().take(batch.pairs).enumerate() {
                 if pair.depenetrating {
@@ -103,7 +103,7 @@ impl Loads {
                 let masses = pair.slots.map(|slot| &bundle.states.masses[slot as usize]);
                 let inverse_masses = masses.map(|mass| mass.inverse_mass.max_element());
                 let compression = self.compression(pair, inverse_masses, points, lane);
-                f(batch, lane, compression);
+                f(pair, lane, compression);
             }
         }
     }

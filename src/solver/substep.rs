@@ -88,7 +88,7 @@ impl BundlesMut<'_> {
     }
 
     /// Loads the pairs of a group.
-    fn load_constraints(&mut self, group: &Group) {
+    pub(super) fn load_constraints(&mut self, group: &Group) {
         let masses = &*self.states.masses;
         load_batches(self.batches, self.lanes, self.pairs, self.points, masses, group.lanes());
         with_simd!(simd => self.update_points(simd));

@@ -203,3 +203,43 @@ fn a_cube_stands_below_one_of_a_thousand_times_its_mass() {
         );
     }
 }
+
+/// Cubes of 1 m below ones of 10 times their edge, and towers of 5 cubes of a centimetre, all far from each other. The
+/// centres of the first two cubes after a second.
+fn beside(heavy: usize, towers: usize) -> [DVec3; 2] {
+    let mut world = World::new();
+    let cube = world.mesh(&shapes::cube(1.0));
+    for i in 0..heavy + towers {
+        let at = Vec3::X * 40.0 * i as f32;
+        let block = Vec3::new(20.0, 1.0, 20.0);
+        world.add(RigidBody::Static, cube, block, at - Vec3::Y * 0.5, Quat::IDENTITY);
+    }
+    for i in 0..heavy {
+        let at = Vec3::X * 40.0 * i as f32;
+        world.add(RigidBody::Dynamic, cube, Vec3::ONE, at + Vec3::Y * 0.51, Quat::IDENTITY);
+        world.add(
+            RigidBody::Dynamic,
+            cube,
+            Vec3::splat(10.0),
+            at + Vec3::Y * 6.02,
+            Quat::IDENTITY,
+        );
+    }
+    for i in heavy..heavy + towers {
+        for k in 0..5 {
+            let at = Vec3::new(40.0 * i as f32, 0.01 * (0.5 + k as f32), 0.0);
+            world.add(RigidBody::Dynamic, cube, Vec3::splat(0.01), at, Quat::IDENTITY);
+        }
+    }
+    for _ in 0..64 {
+        world.step();
+    }
+    [0, 1].map(|i| world.center(heavy + towers + i))
+}
+
+#[test]
+fn a_heavy_load_moves_alike_whatever_is_beside_it() {
+    let alone = beside(1, 0);
+    assert_eq!(beside(4, 0), alone, "beside others like it");
+    assert_eq!(beside(4, 4), alone, "beside some that need more substeps");
+}
