@@ -62,7 +62,7 @@ pub(super) fn hold(
     let mut stiffer = 0u32;
     for (island, compression) in compressions.iter_mut().enumerate().filter(|(_, it)| **it > HEAVY) {
         let lane = group.is_side_by_side().then_some(island);
-        if direct.add(island, Direct::new(bundle.batches, &bundle.states, lane)) {
+        if direct.add(island, Direct::new(bundle.batches, &bundle.states, lane, true)) {
             stiffer |= 1 << island;
             *compression = 1.0;
         }

@@ -212,17 +212,13 @@ impl BundlesMut<'_> {
     /// Solves the islands of some lanes directly, if they are solved so: their passes have not converged. Those of the
     /// lanes `far` are far from it.
     fn solve_directly(&mut self, passes: &Passes, wanted: u32, far: u32, direct: &mut DirectIslands) {
-        for number in bits(if passes.side_by_side { wanted } else { 1 }) {
-            let lane = passes.side_by_side.then_some(number);
-            let is_far = if passes.side_by_side {
-                far >> number & 1 == 1
-            } else {
-                far != 0
-            };
-            if !is_far && !direct.is_loaded(number) {
+        let far = passes.islands(far);
+        for number in bits(passes.islands(wanted)) {
+            if far >> number & 1 == 0 && !direct.is_loaded(number) {
                 continue;
             }
-            if let Some(island) = direct.get(number, || Direct::new(self.batches, &self.states, lane)) {
+            let lane = passes.side_by_side.then_some(number);
+            if let Some(island) = direct.get(number, || Direct::new(self.batches, &self.states, lane, false)) {
                 island.solve(self.batches, self.lanes, &mut self.states);
             }
         }
@@ -294,6 +290,15 @@ impl<'a> Passes<'a> {
         bits(ALL_LANES & !converged)
             .filter(|&lane| iteration >= self.most[lane].max(least))
             .fold(converged, |ended, lane| ended | 1 << lane)
+    }
+
+    /// The numbers of the islands that have pairs in these lanes.
+    fn islands(&self, lanes: u32) -> u32 {
+        if self.side_by_side {
+            lanes
+        } else {
+            u32::from(lanes != 0)
+        }
     }
 
     /// In each lane the largest number of its island.

@@ -58,8 +58,7 @@ impl Matrix {
         start + rows.binary_search(&row).expect("the pattern has all blocks") as u32
     }
 
-    pub fn clear(&mut self) {
-        self.diagonal.fill(ZERO);
+    pub fn clear_lower(&mut self) {
         self.lower.fill(ZERO);
     }
 

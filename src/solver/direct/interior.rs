@@ -71,13 +71,14 @@ impl Direct {
         false
     }
 
-    /// Whether the velocities that follow from the impulses satisfy the constraints. Sets their changes.
+    /// Sets the changes of the velocities to those that follow from the impulses. Returns whether they satisfy the
+    /// constraints.
     #[inline(always)]
     fn is_solution(&mut self) -> bool {
         self.change.fill([0.0; N]);
         for (pair, range) in ranges(&self.pairs) {
             for point in &self.points[range] {
-                pair.push(point, point.result(), &mut self.change);
+                pair.push(point, &mut self.change);
             }
         }
         for (change, mass) in self.change.iter_mut().zip(&self.masses) {
@@ -87,7 +88,7 @@ impl Direct {
         for (pair, range) in ranges(&self.pairs) {
             let velocities = pair.of(&self.change);
             for point in self.points[range].iter().filter(|point| point.is_solved) {
-                let normal = point.result()[0] / point.unit;
+                let normal = f64::from(point.result()[0]) / point.unit;
                 let velocity = point.initial_errors[0] + along(&point.rows[0], &velocities);
                 let error = velocity + point.compliance * normal;
                 worst = worst.max(if normal > 0.0 { error.abs() } else { -error });
@@ -125,7 +126,7 @@ impl Direct {
     /// Sets the matrix, and the right side in place of the changes.
     #[inline(always)]
     fn assemble(&mut self, barrier: f64) {
-        self.matrix.clear();
+        self.matrix.clear_lower();
         self.change.clear();
         for ((diagonal, mass), moved) in self.matrix.diagonal.iter_mut().zip(&self.masses).zip(&self.moved) {
             *diagonal = mass.mass;

@@ -5,7 +5,7 @@ use super::super::motion::StatesMut;
 use super::blocks::{Matrix, N, Vector};
 use super::mass::{BodyMass, vector};
 use super::order::Pattern;
-use super::point::{PairSides, Point, Triple, dot};
+use super::point::{PairSides, Point};
 use crate::simd::level::with_simd;
 use glam::Vec3A;
 use std::ops::Range;
@@ -49,8 +49,9 @@ pub(super) struct DirectPair {
 }
 
 impl Direct {
-    /// The island with its pairs in this lane, or in all lanes. `None` if an iteration would cost too much.
-    pub fn new(batches: &[Batch], states: &StatesMut, lane: Option<usize>) -> Option<Self> {
+    /// The island with its pairs in this lane, or in all lanes. `None` if an iteration would cost too much, or if the
+    /// island is neither `loaded` nor like a chain.
+    pub fn new(batches: &[Batch], states: &StatesMut, lane: Option<usize>, loaded: bool) -> Option<Self> {
         let mut numbers = vec![NONE; states.masses.len()];
         let mut slots = Vec::new();
         let mut pairs = Vec::new();
@@ -80,6 +81,9 @@ impl Direct {
         }
         let places = pairs.iter().map(|pair| pair.places);
         let joined = places.filter(|places| !places.contains(&NONE));
+        if !loaded && !is_chain(slots.len(), joined.clone().count()) {
+            return None;
+        }
         let pattern = Pattern::new(slots.len(), joined, PRODUCTS_PER_BODY * slots.len() + MORE_PRODUCTS)?;
         let matrix = Matrix::new(&pattern);
         let mut ordered = slots.clone();
@@ -109,24 +113,12 @@ impl Direct {
         })
     }
 
-    /// Whether the island is a chain, a tower or a tree: nearly as many bodies as pairs, not too many. Passes take long
-    /// to cross it, and it is cheap to factorise. Others move well enough if their passes do not converge.
-    pub fn is_chain(&self) -> bool {
-        let pairs = self.pairs.iter().filter(|pair| pair.block != NONE).count();
-        (LEAST_CHAIN..=LONGEST_CHAIN).contains(&self.slots.len()) && 4 * pairs <= 5 * self.slots.len()
-    }
-
-    /// Finds the impulses and velocities of the island. Returns whether it has; otherwise nothing has changed.
-    pub fn solve(&mut self, batches: &mut [Batch], points: &mut [PointLanes], states: &mut StatesMut) -> bool {
+    /// Finds the impulses and velocities of the island, and writes them. Changes nothing if it finds none.
+    pub fn solve(&mut self, batches: &mut [Batch], points: &mut [PointLanes], states: &mut StatesMut) {
         self.gather(batches, points, states);
-        let solved = with_simd!(simd => {
-            let _ = simd;
-            self.iterate()
-        });
-        if solved {
+        if with_simd!(_simd => self.iterate()) {
             self.scatter(batches, points, states);
         }
-        solved
     }
 
     fn gather(&mut self, batches: &mut [Batch], points: &mut [PointLanes], states: &StatesMut) {
@@ -161,31 +153,24 @@ impl Direct {
         }
     }
 
-    /// Writes impulses, and the velocities that follow from them.
-    fn scatter(&mut self, batches: &mut [Batch], points: &mut [PointLanes], states: &mut StatesMut) {
-        self.change.fill([0.0; N]);
+    /// Writes impulses and velocities.
+    fn scatter(&self, batches: &mut [Batch], points: &mut [PointLanes], states: &mut StatesMut) {
         let mut ranges = ranges(&self.pairs);
         for (batch, points) in Batches::new(batches, points) {
-            for (pair, range) in ranges.by_ref().take(batch.pairs) {
+            for (pair, range) in ranges.by_ref().take(batch.pairs).filter(|(pair, _)| pair.lane != NONE) {
                 let lane = pair.lane as usize;
-                if pair.lane == NONE {
-                    continue;
-                }
                 let active = points.iter_mut().filter(|point| point.active >> lane & 1 == 1);
                 for (to, point) in active.zip(&self.points[range]) {
-                    let impulses = point.result().map(|impulse| impulse as f32);
-                    to.normal_impulse.0[lane] = impulses[0];
-                    to.friction_impulse[0].0[lane] = impulses[1];
-                    to.friction_impulse[1].0[lane] = impulses[2];
-                    to.touched |= u32::from(impulses[0] > 0.0) << lane;
-                    pair.push(point, impulses.map(f64::from), &mut self.change);
+                    let [normal, t, u] = point.result();
+                    to.normal_impulse.0[lane] = normal;
+                    to.friction_impulse[0].0[lane] = t;
+                    to.friction_impulse[1].0[lane] = u;
+                    to.touched |= u32::from(normal > 0.0) << lane;
                 }
             }
         }
-        for (place, &slot) in self.slots.iter().enumerate() {
-            let inverse = &self.masses[place].inverse;
-            let [x, y, z, p, q, r] =
-                std::array::from_fn(|i| (self.start[place][i] + dot(&inverse[i], &self.change[place])) as f32);
+        for ((&slot, start), change) in self.slots.iter().zip(&self.start).zip(&self.change) {
+            let [x, y, z, p, q, r] = std::array::from_fn(|i| (start[i] + change[i]) as f32);
             let velocity = &mut states.velocities[slot as usize];
             velocity.linear = Vec3A::new(x, y, z);
             velocity.angular = Vec3A::new(p, q, r);
@@ -194,11 +179,12 @@ impl Direct {
 }
 
 impl DirectPair {
-    /// Adds the difference between these impulses of a point, newton seconds, and those before the solve to the sums of
-    /// the impulses on its bodies.
+    /// Adds the difference between the impulses of a point and those before the solve to the sums of the impulses on its
+    /// bodies.
     #[inline(always)]
-    pub fn push(&self, point: &Point, impulses: Triple, sums: &mut [Vector]) {
-        let changes = [0, 1, 2].map(|i| impulses[i] - point.start[i] * point.unit);
+    pub fn push(&self, point: &Point, sums: &mut [Vector]) {
+        let impulses = point.result();
+        let changes = [0, 1, 2].map(|i| f64::from(impulses[i]) - point.start[i] * point.unit);
         for (side, &place) in self.places.iter().enumerate().filter(|(_, place)| **place != NONE) {
             let sum = &mut sums[place as usize];
             for (row, change) in point.rows.iter().zip(changes) {
@@ -215,6 +201,13 @@ impl DirectPair {
         self.places
             .map(|place| vectors.get(place as usize).copied().unwrap_or([0.0; N]))
     }
+}
+
+/// Whether an island of so many bodies and pairs of them is a chain, a tower or a tree: nearly as many bodies as pairs,
+/// not too many. Passes take long to cross it, and it is cheap to factorise. Others move well enough if their passes do
+/// not converge.
+fn is_chain(bodies: usize, pairs: usize) -> bool {
+    (LEAST_CHAIN..=LONGEST_CHAIN).contains(&bodies) && 4 * pairs <= 5 * bodies
 }
 
 /// The pairs, each with the range of its points.

@@ -56,12 +56,12 @@ impl DirectIslands {
         self.loaded >> number & 1 == 1
     }
 
-    /// The island of this number if it can be solved directly, and is under a heavy load or like a chain. `new` makes
-    /// it when it is needed for the first time.
+    /// The island of this number if it is solved directly. `new` makes one that is not under a heavy load when it is
+    /// needed for the first time.
     pub fn get(&mut self, number: usize, new: impl FnOnce() -> Option<Direct>) -> Option<&mut Direct> {
         if self.asked >> number & 1 == 0 {
             self.asked |= 1 << number;
-            self.islands[number] = new().filter(Direct::is_chain);
+            self.islands[number] = new();
         }
         self.islands[number].as_mut()
     }

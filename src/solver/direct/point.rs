@@ -171,14 +171,15 @@ impl Point {
     }
 
     /// The impulses of the solution, newton seconds. A point that separates has none.
-    pub fn result(&self) -> Triple {
-        if !self.is_solved {
-            return self.start.map(|impulse| impulse * self.unit);
-        }
-        if self.impulses[0] <= self.slack {
-            return [0.0; 3];
-        }
-        self.impulses.map(|impulse| impulse * self.unit)
+    pub fn result(&self) -> [f32; 3] {
+        let impulses = if !self.is_solved {
+            self.start
+        } else if self.impulses[0] > self.slack {
+            self.impulses
+        } else {
+            [0.0; 3]
+        };
+        impulses.map(|impulse| (impulse * self.unit) as f32)
     }
 }
 
