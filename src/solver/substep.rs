@@ -154,11 +154,11 @@ impl BundlesMut<'_> {
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             solve::apply_impulses(simd, batch, points, self.states.velocities, splat(simd, 1.0));
         }
-        self.solve(simd, pass, passes, passes.settings.bias_iterations, ALL_LANES, direct);
+        let unconverged = self.solve(simd, pass, passes, passes.settings.bias_iterations, ALL_LANES, direct);
         self.integrate_poses(group);
         let pass = pass.relaxing();
         for (batch, points) in Batches::new(self.batches, self.lanes) {
-            move_impulses(simd, batch, points, &mut self.states);
+            move_impulses(simd, batch, points, &mut self.states, unconverged);
             pass.aim(simd, batch, points);
         }
         self.solve(simd, &pass, passes, passes.settings.relax_iterations, ALL_LANES, direct);
@@ -166,6 +166,7 @@ impl BundlesMut<'_> {
     }
 
     /// Passes over all pairs of the islands in the lanes `live` until they have converged, at least `least` passes.
+    /// Returns the lanes with pairs of islands whose passes have not.
     #[inline(always)]
     fn solve<S: Simd>(
         &mut self,
@@ -175,9 +176,10 @@ impl BundlesMut<'_> {
         least: u32,
         mut live: u32,
         direct: &mut DirectIslands,
-    ) {
+    ) -> u32 {
         let zero = splat(simd, 0.0);
         let mut last_energy = zero;
+        let mut unconverged = 0;
         for iteration in 1.. {
             let live_lanes = lanes(simd, live);
             let mut residual = Residual::zero(simd);
@@ -191,8 +193,10 @@ impl BundlesMut<'_> {
             }
             let converged = residual.converged();
             let ended = passes.ended(iteration, least, converged);
-            if live & ended & !converged != 0 {
-                self.solve_directly(passes, live & ended & !converged, residual.far(), direct);
+            let given_up = live & ended & !converged;
+            if given_up != 0 {
+                self.solve_directly(passes, given_up, residual.far(), direct);
+                unconverged |= if passes.side_by_side { given_up } else { ALL_LANES };
             }
             live &= !ended;
             if live == 0 {
@@ -207,6 +211,7 @@ impl BundlesMut<'_> {
             }
             last_energy = energy;
         }
+        unconverged
     }
 
     /// Solves the islands of some lanes directly, if they are solved so: their passes have not converged. Those of the
@@ -314,18 +319,19 @@ impl<'a> Passes<'a> {
 
 /// Updates the points of a batch after its bodies have moved.
 ///
-/// An elastic body that meets an immovable one keeps its energy: its impulses move with the points. Between two bodies
-/// they stay where they acted, which keeps the angular momentum.
+/// Impulses stay where they acted, which keeps the angular momentum, or move with the points, which keeps the energy. An
+/// elastic body that meets an immovable one keeps its energy. So does an island in the lanes `unconverged`: its impulses
+/// can be large and cancel each other, as in a taut chain, and would push it along if some of them had other directions.
 #[inline(always)]
-fn move_impulses<S: Simd>(simd: S, batch: &Batch, points: &mut [PointLanes], states: &mut StatesMut) {
-    let moves = batch.bounces_off != 0;
+fn move_impulses<S: Simd>(simd: S, batch: &Batch, points: &mut [PointLanes], states: &mut StatesMut, unconverged: u32) {
+    let moving = batch.bounces_off | unconverged;
     let [zero, one] = [splat(simd, 0.0), splat(simd, 1.0)];
-    let factor = lanes(simd, batch.bounces_off).select(one, zero);
-    if moves {
+    let factor = lanes(simd, moving).select(one, zero);
+    if moving != 0 {
         solve::apply_impulses(simd, batch, points, states.velocities, -factor);
     }
     update_points(simd, batch, points, states);
-    if moves {
+    if moving != 0 {
         solve::apply_impulses(simd, batch, points, states.velocities, factor);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::world::World;
 use bevy_faceoff::geometry::{TriMesh, shapes};
+use bevy_faceoff::state::Body;
 use bevy_faceoff::testing::scenes::chain::{chain, linking_number};
 use bevy_faceoff::testing::scenes::{RING_LINE, RING_TUBE};
 use bevy_faceoff::types::body::RigidBody;
@@ -242,4 +243,37 @@ fn a_heavy_load_moves_alike_whatever_is_beside_it() {
     let alone = beside(1, 0);
     assert_eq!(beside(4, 0), alone, "beside others like it");
     assert_eq!(beside(4, 4), alone, "beside some that need more substeps");
+}
+
+#[test]
+fn a_small_box_holds_a_safe_that_falls_on_it() {
+    for density in [8.0, 100.0, 1000.0] {
+        let mut world = World::new();
+        let cube = world.mesh(&shapes::cube(1.0));
+        let floor = Vec3::new(20.0, 1.0, 20.0);
+        world.add(RigidBody::Static, cube, floor, Vec3::NEG_Y * 0.5, Quat::IDENTITY);
+        let small = world.add(
+            RigidBody::Dynamic,
+            cube,
+            Vec3::splat(0.4),
+            Vec3::Y * 0.2,
+            Quat::IDENTITY,
+        );
+        let safe = world.put(&Body {
+            density,
+            ..Body::at_rest(cube, Vec3::Y * 1.6, Quat::IDENTITY, Vec3::splat(2.0))
+        });
+        world.seconds(5);
+        let [small, safe] = [small, safe].map(|i| world.center(i));
+        println!(
+            "ratio {}: {small:.4} {safe:.4} {:.4} m/s",
+            125.0 * density,
+            world.fastest()
+        );
+        assert!(
+            (small.y - 0.2).abs() < 0.002 && (safe.y - 1.4).abs() < 0.004,
+            "{small} {safe}"
+        );
+        assert!(world.fastest() < 0.01);
+    }
 }

@@ -13,6 +13,8 @@ use crate::simd::lanes::lane_of;
 /// A rigid constraint with friction gives way by this part of the velocity that its impulse changes. So points that hold
 /// the same load have unique impulses, and unique limits of friction.
 const GIVE: f64 = 1.0e-4;
+/// It gives way by at most this, m/s, whatever its load.
+const MOST_GIVE: f64 = 4.0e-3;
 /// Friction that holds slides by this part of the velocity that its limit would change.
 const CREEP: f64 = 1.0e-3;
 
@@ -84,12 +86,17 @@ impl Point {
             }
         }
         let friction = of(&batch.friction);
+        let least_compliance = if friction > 0.0 {
+            GIVE.min(MOST_GIVE / start[0].max(f64::MIN_POSITIVE))
+        } else {
+            0.0
+        };
         Self {
             rows,
             initial_errors: errors,
             errors,
             compliance: if is_solved {
-                (of(&aim.impulse_scale) / response * unit).max(if friction > 0.0 { GIVE } else { 0.0 })
+                (of(&aim.impulse_scale) / response * unit).max(least_compliance)
             } else {
                 0.0
             },
