@@ -58,10 +58,10 @@ pub fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous:
 #[test]
 fn no_bullet_passes_a_thin_plate() {
     for (name, bullet, spin, tries) in [
-        ("ball", shapes::ball_320(), 10.0, 1000),
-        ("torus", shapes::torus_240(), 0.0, 300),
-        ("torus that spins", shapes::torus_240(), 10.0, 300),
-        ("cube that spins", shapes::cube(0.577), 10.0, 300),
+        ("ball", shapes::ball_320(), 10.0, 300),
+        ("torus", shapes::torus_240(), 0.0, 100),
+        ("torus that spins", shapes::torus_240(), 10.0, 100),
+        ("cube that spins", shapes::cube(0.577), 10.0, 100),
     ] {
         for sizes in [5.0, 50.0, 500.0] {
             let passed = passed(&bullet, sizes, spin, tries, true);
@@ -184,8 +184,8 @@ fn no_spinning_bullet_passes_a_fixed_plate() {
         ("cube", shapes::cube(0.01)),
         ("torus", small_torus()),
     ] {
-        for number in 0..72 {
-            let speed = 1500.0 + 40.0 * number as f32;
+        for number in 0..24 {
+            let speed = 1500.0 + 120.0 * number as f32;
             let spin = unit(&mut random) * 500.0;
             let plate = plate(RigidBody::Static, Vec3::ZERO, Vec3::ZERO);
             let (through, _) = shoot(plate, &bullet, WAY * speed, spin);

@@ -372,12 +372,12 @@ const NONE: usize = usize::MAX / 1_000_000;
 
 #[test]
 fn random_pairs_that_do_not_meet_pass_each_other() {
-    check_throws(1, 5_000, false, NONE);
+    check_throws(1, 2_000, false, NONE);
 }
 
 #[test]
 fn random_pairs_that_turn_and_do_not_meet_pass_each_other() {
-    check_throws(2, 5_000, true, NONE);
+    check_throws(2, 2_000, true, NONE);
 }
 
 #[test]

@@ -89,7 +89,7 @@ pub fn impulses_survive_a_renumbering() {
 
 pub fn bodies_come_and_go() {
     let mut world = heap();
-    world.step(100);
+    world.step(40);
     // The first hundred bodies leave.
     for _ in 0..100 {
         world.shapes.remove(1);
@@ -107,7 +107,7 @@ pub fn bodies_come_and_go() {
         forces.remove(1);
         sleep.remove(1);
     }
-    world.step(200);
+    world.step(80);
     check_below("deepest, metres", world.deepest() as f64, 0.02);
     world.manifolds = Manifolds::default();
     world.bodies.clear();

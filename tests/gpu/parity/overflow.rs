@@ -77,7 +77,7 @@ pub fn room_to_read_follows_use(gpu: &Gpu) {
             read.push(state.results.gpu.unwrap().read_back_bytes);
         }
         assert!(read[39] * 10 < read[0] && read[39] < 60_000, "{response:?}: {read:?}");
-        let mut crowd = heap(&shapes::cube(1.0), 200, 6.0);
+        let mut crowd = heap(&shapes::cube(1.0), 120, 6.0);
         crowd.config.response = response;
         step.forget();
         let (found, capacity) = (crowd.on_gpu(&mut step), step.capacity());
