@@ -244,23 +244,24 @@ impl Collisions {
     /// * **On a GPU** use [`Readback::Lockstep`](crate::plugin::settings::Readback::Lockstep). Otherwise the manifolds
     ///   are some steps old, and contacts are solved too late.
     pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
-        let entity = |i: u32| {
-            let bodies = self.rows.entities.len();
-            let i = i as usize;
-            if i < bodies {
-                self.rows.entities[i]
-            } else {
-                self.planes[i - bodies]
-            }
-        };
         let both = [&self.manifolds, &self.dormant_manifolds];
         let mut pairs = Merged(both.map(|some| &some.pairs[..]));
         let first_plane = self.rows.entities.len() as u32;
         std::iter::from_fn(move || {
             let (at, pair) = pairs.next(|pair| pair_order(pair.bodies, first_plane))?;
-            let [a, b] = pair.bodies.map(entity);
+            let [a, b] = pair.bodies.map(|i| self.collider_or_plane(i));
             Some((a, b, both[at].points_of(pair)))
         })
+    }
+
+    /// The collider or plane with this number in manifolds.
+    pub(crate) fn collider_or_plane(&self, number: u32) -> Entity {
+        let (colliders, i) = (self.rows.entities.len(), number as usize);
+        if i < colliders {
+            self.rows.entities[i]
+        } else {
+            self.planes[i - colliders]
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::plugin::renderer;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
 use crate::plugin::sync::changes::{note_enabled, note_removed};
-use crate::plugin::sync::{Step, collect, hierarchy, publish};
+use crate::plugin::sync::{Step, collect, deep_overlaps, hierarchy, publish};
 #[cfg(feature = "gpu")]
 use crate::plugin::sync::{latent, release};
 #[cfg(feature = "gpu")]
@@ -133,6 +133,7 @@ fn build_schedule(schedule: &mut Schedule) {
                 publish::find_written,
                 publish::write_back,
                 publish::publish,
+                deep_overlaps::warn_of_deep_overlaps,
                 publish::report_failure,
                 clock::settle.run_if(clock::was_by_hand),
             )

@@ -16,7 +16,7 @@ pub(super) const ACTIVATION_DISTANCE: f32 = 5.0;
 pub(super) const MAX_STEP_ERROR: f32 = 1.0e-4;
 
 /// A pair is far from converged if a pass changes its velocity by this multiple of what counts.
-const FAR: f32 = 2.5;
+const FAR: f32 = 4.0;
 
 /// Decides which points of a batch are active in this substep. They are up to date with the poses.
 #[inline(always)]

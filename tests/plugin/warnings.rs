@@ -32,8 +32,43 @@ fn what_does_not_do_what_it_says_is_told_by_entity_and_name() {
     faults();
     crowds();
     same_keys();
+    deep_overlaps();
     #[cfg(feature = "bevy_mesh")]
     without_meshes();
+}
+
+/// What stays deep in another is told, what comes apart is not.
+fn deep_overlaps() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    // A press whose plates leave a cube two thirds of its height.
+    for (name, y) in [("floor", -0.5), ("press", 1.16)] {
+        sim.spawn((
+            Name::new(name),
+            RigidBody::Static,
+            cube.clone(),
+            Transform::from_xyz(0.0, y, 0.0).with_scale(Vec3::new(20.0, 1.0, 20.0)),
+        ));
+    }
+    sim.spawn((
+        Name::new("squeezed"),
+        RigidBody::Dynamic,
+        cube.clone(),
+        Transform::from_xyz(0.0, 0.33, 0.0),
+    ));
+    // Two cubes that were spawned in each other, on the press.
+    for x in [4.0, 4.5] {
+        sim.spawn((RigidBody::Dynamic, cube.clone(), Transform::from_xyz(x, 2.2, 0.0)));
+    }
+    sim.step(128);
+    let lines = told();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    for (line, plate) in lines.iter().zip(["floor", "press"]) {
+        assert!(line.contains(plate) && line.contains("squeezed"), "{line}");
+        assert!(line.contains("do not come apart"), "{line}");
+    }
+    sim.step(128);
+    assert_eq!(told(), [""; 0]);
 }
 
 /// A key that appears twice counts for one collider or plane; another one is told.

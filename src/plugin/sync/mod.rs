@@ -7,6 +7,7 @@ pub(crate) mod collect;
 mod collected;
 mod component_warnings;
 pub(crate) mod components;
+pub(crate) mod deep_overlaps;
 pub(crate) mod driven;
 pub(crate) mod entity_hooks;
 mod entity_index_set;
