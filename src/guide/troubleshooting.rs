@@ -60,7 +60,7 @@
 //! | the log says that steps run on the CPU | colliders or planes with `ActiveCollisionHooks`, which a GPU does not have | remove them, or accept it |
 //! | the log says that the CPU waits for the GPU during a step | a body with `ContinuousCollision`, which the CPU stops | remove it when the body is slow, or accept it |
 //! | the log says that bodies overlap too many others | thousands of bodies in one place | spawn them apart |
-//! | the log says that two bodies overlap and do not come apart | they were spawned in each other, a kinematic body presses one into the other, or a fast one got inside | spawn them apart; leave room between what moves; [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) |
+//! | the log says that two bodies overlap and do not come apart | they were spawned in each other, a kinematic or a far heavier body presses one into the other, or a fast one got inside | spawn them apart; leave room between what moves; keep masses within 100,000 to 1; [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) |
 //! | `Collision::faces` is `None` | nobody asked for lists of faces | [`FaceLists(true)`](crate::plugin::settings::FaceLists) |
 //! | the first step takes seconds | kernels are compiled, or a face table is baked | `Readback::Latent`; bake ahead of time |
 //! | a debug build is slow | | `[profile.dev.package."*"] opt-level = 3` in your `Cargo.toml` |

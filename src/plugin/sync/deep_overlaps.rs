@@ -3,6 +3,7 @@
 
 use super::{Step, named};
 use crate::plugin::collisions::{Collisions, StepReport};
+use crate::state::manifolds::nearest;
 use crate::types::settings::Response;
 use bevy::prelude::*;
 
@@ -22,6 +23,8 @@ pub(crate) struct DeepOverlaps {
     /// Scratch: those of the look before.
     before: Vec<([Entity; 2], u32)>,
     told: u32,
+    /// The step of the next look. Results that come late may miss some numbers, and stay for several steps.
+    next: u64,
 }
 
 /// Looks at the results of a step now and then. What never leaves a device is not seen.
@@ -33,10 +36,11 @@ pub(crate) fn warn_of_deep_overlaps(
     mut known: Local<DeepOverlaps>,
 ) {
     let pushes = step.state.input.config.response == Response::Contacts;
-    if !pushes || !report.step.is_multiple_of(STEPS) || known.told == MOST_TOLD || !step.engine.runs() {
+    if !pushes || report.step < known.next || known.told == MOST_TOLD || !step.engine.runs() {
         return;
     }
     let known = &mut *known;
+    known.next = report.step + STEPS;
     std::mem::swap(&mut known.pairs, &mut known.before);
     known.pairs.clear();
     let name = |entity: Entity| named(entity, names.get(entity).ok());
@@ -54,8 +58,8 @@ pub(crate) fn warn_of_deep_overlaps(
             };
             warn!(
                 "{one} and {other} overlap by {depth:.2} m and do not come apart. Spawn them apart, let their \
-                 CollisionLayers not meet, give fast ones ContinuousCollision, or leave room between what presses \
-                 them{more}"
+                 CollisionLayers not meet, give fast ones ContinuousCollision, or make what presses them lighter or \
+                 leave it more room{more}"
             );
         }
     }
@@ -69,8 +73,7 @@ fn deep_pairs<'a>(step: &'a Step, collisions: &'a Collisions) -> impl Iterator<I
     let is_known = radii.len() == collisions.rows.entities.len();
     let pairs = if is_known { &collisions.manifolds.pairs[..] } else { &[] };
     pairs.iter().filter_map(move |pair| {
-        let points = collisions.manifolds.points_of(pair);
-        let depth = points.iter().map(|point| -point.separation).fold(0.0, f32::max);
+        let depth = -nearest(collisions.manifolds.points_of(pair))?.separation;
         let radius = pair.bodies.into_iter().filter_map(|i| radii.get(i as usize));
         let smaller = radius.copied().fold(f32::INFINITY, f32::min);
         (depth > 2.0 * DEEP * smaller).then(|| (pair.bodies.map(|i| collisions.collider_or_plane(i)), depth))
