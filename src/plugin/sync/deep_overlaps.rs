@@ -23,8 +23,8 @@ pub(crate) struct DeepOverlaps {
     /// Scratch: those of the look before.
     before: Vec<([Entity; 2], u32)>,
     told: u32,
-    /// The step of the next look. Results that come late may miss some numbers, and stay for several steps.
-    next: u64,
+    /// The number of the last look. Results that come late skip steps, and stay for several.
+    last: u64,
 }
 
 /// Looks at the results of a step now and then. What never leaves a device is not seen.
@@ -36,11 +36,12 @@ pub(crate) fn warn_of_deep_overlaps(
     mut known: Local<DeepOverlaps>,
 ) {
     let pushes = step.state.input.config.response == Response::Contacts;
-    if !pushes || report.step < known.next || known.told == MOST_TOLD || !step.engine.runs() {
+    let number = report.step / STEPS;
+    if !pushes || number == known.last || known.told == MOST_TOLD || !step.engine.runs() {
         return;
     }
     let known = &mut *known;
-    known.next = report.step + STEPS;
+    known.last = number;
     std::mem::swap(&mut known.pairs, &mut known.before);
     known.pairs.clear();
     let name = |entity: Entity| named(entity, names.get(entity).ok());
