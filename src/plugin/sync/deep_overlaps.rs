@@ -12,7 +12,7 @@ const STEPS: u64 = 16;
 /// A pair is told when so many looks in a row have found it.
 const LOOKS: u32 = 6;
 /// An overlap is deep if it is more than this part of the diameter of the smaller collider.
-const DEEP: f32 = 0.05;
+const FRACTION: f32 = 0.05;
 /// So many pairs are told. In a scene with more of them, these show what is wrong.
 const MOST_TOLD: u32 = 8;
 
@@ -77,6 +77,6 @@ fn deep_pairs<'a>(step: &'a Step, collisions: &'a Collisions) -> impl Iterator<I
         let depth = -nearest(collisions.manifolds.points_of(pair))?.separation;
         let radius = pair.bodies.into_iter().filter_map(|i| radii.get(i as usize));
         let smaller = radius.copied().fold(f32::INFINITY, f32::min);
-        (depth > 2.0 * DEEP * smaller).then(|| (pair.bodies.map(|i| collisions.collider_or_plane(i)), depth))
+        (depth > 2.0 * FRACTION * smaller).then(|| (pair.bodies.map(|i| collisions.collider_or_plane(i)), depth))
     })
 }
