@@ -46,7 +46,7 @@ const TESTS: &[Test] = &[
 ];
 
 fn main() {
-    gpu::run(&[("renderer", TESTS)], &[]);
+    gpu::run(&[("renderer", TESTS)], &[], |_| {});
 }
 
 /// What a renderer needs, without a window.

@@ -23,7 +23,7 @@ use bevy::prelude::*;
 use rayon::ThreadPool;
 
 #[cfg(feature = "gpu")]
-use crate::gpu::device::{Gpu, NoGpu};
+use crate::gpu::device::{self, Gpu, NoGpu};
 #[cfg(feature = "gpu")]
 use crate::gpu::readback::DeviceError;
 #[cfg(feature = "gpu")]
@@ -52,7 +52,7 @@ pub enum ActiveBackend {
     Gpu {
         /// Name and graphics API of the adapter.
         adapter: String,
-        /// Whether the device belongs to Bevy's renderer.
+        /// Whether the device belongs to Bevy's renderer or to the program.
         shared: bool,
     },
     /// A device is being opened and kernels are being compiled. Bodies do not move yet.
@@ -186,6 +186,13 @@ impl Engine {
         }
     }
 
+    /// Chooses the device that the program gave, or the CPU.
+    #[cfg(feature = "gpu")]
+    pub fn choose_given(&mut self, gpu: Gpu) {
+        self.source = Source::Given(Box::new(gpu));
+        self.start();
+    }
+
     /// Chooses the CPU, if that is still to be done.
     #[cfg(not(feature = "gpu"))]
     pub fn choose(&mut self) {
@@ -201,6 +208,9 @@ impl Engine {
     fn start(&mut self) {
         self.active = ActiveBackend::Opening;
         self.announced = false;
+        if matches!(&self.source, Source::Given(gpu) if device::is_lost(gpu)) {
+            self.source = Source::Own;
+        }
         let (source, software) = (self.source.clone(), self.backend == Backend::Gpu);
         let kernels = self.kernel_cache.clone();
         if self.backend == Backend::Cpu {
@@ -228,7 +238,7 @@ impl Engine {
                 let info = &gpu.gpu().info;
                 self.active = ActiveBackend::Gpu {
                     adapter: format!("{} ({})", info.name, info.backend),
-                    shared: matches!(self.source, Source::Renderer(_)),
+                    shared: matches!(self.source, Source::Renderer(_) | Source::Given(_)),
                 };
                 self.gpu = Some(Box::new(gpu));
             }
@@ -393,7 +403,7 @@ impl Engine {
     /// carried over. If the stages have fallen back to the CPU, they stay there.
     #[cfg(feature = "bevy_render")]
     pub fn share(&mut self, gpu: Gpu) -> bool {
-        if self.backend == Backend::Cpu {
+        if self.backend == Backend::Cpu || matches!(self.source, Source::Given(_)) {
             return false;
         }
         let before = std::mem::replace(&mut self.source, Source::Renderer(Box::new(gpu)));

@@ -12,6 +12,8 @@ pub(crate) enum Source {
     Unknown,
     /// The plugin opens its own device.
     Own,
+    /// The program gave this device. If it is lost, the plugin opens its own.
+    Given(Box<Gpu>),
     /// Bevy's renderer owns this device.
     #[cfg_attr(not(feature = "bevy_render"), expect(dead_code, reason = "there is none"))]
     Renderer(Box<Gpu>),
@@ -22,7 +24,9 @@ impl Source {
     /// `contacts`, else when a step needs them. Those of our own device are kept where `kernels` says.
     pub fn open(&self, software: bool, contacts: bool, kernels: &KernelCache) -> Result<GpuStep, NoGpu> {
         let gpu = match self {
-            Self::Renderer(gpu) => device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| Gpu::clone(gpu)),
+            Self::Renderer(gpu) | Self::Given(gpu) => {
+                device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| Gpu::clone(gpu))
+            }
             Self::Own | Self::Unknown => device::open(software, kernels),
         };
         let gpu = gpu?;

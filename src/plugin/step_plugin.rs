@@ -36,6 +36,11 @@ pub struct StepPlugin {
     pub readback: Readback,
     /// Where compiled kernels of a device that the plugin opens itself are kept. Default [`KernelCache::User`].
     pub kernel_cache: KernelCache,
+    /// A device that the program has opened, in place of one of the plugin's own or the renderer's. Apps that get clones
+    /// of one [`Gpu`] share its compiled kernels, so that only the first waits for them: tests and servers run many
+    /// worlds. If the device is lost, each opens its own. Default `None`.
+    #[cfg(feature = "gpu")]
+    pub device: Option<Gpu>,
 }
 
 impl Plugin for StepPlugin {
@@ -62,6 +67,10 @@ impl Plugin for StepPlugin {
 
         match Engine::new(self.backend, self.threads, self.readback, self.kernel_cache.clone()) {
             Ok(mut engine) => {
+                #[cfg(feature = "gpu")]
+                if let Some(gpu) = &self.device {
+                    engine.choose_given(gpu.clone());
+                }
                 if !renderer::is_coming(app) {
                     engine.choose();
                 }

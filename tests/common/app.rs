@@ -6,13 +6,23 @@ use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::TriMesh;
+#[cfg(feature = "gpu")]
+use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::prelude::*;
 use std::cell::Cell;
+#[cfg(feature = "gpu")]
+use std::cell::RefCell;
 use std::time::Duration;
 
 thread_local! {
     /// Whether apps that this thread makes run on a GPU by default.
     pub static ON_GPU: Cell<bool> = const { Cell::new(false) };
+}
+
+#[cfg(feature = "gpu")]
+thread_local! {
+    /// The device of this thread's apps. Without it each app opens its own, and compiles its kernels.
+    pub static DEVICE: RefCell<Option<Gpu>> = const { RefCell::new(None) };
 }
 
 /// Length of a fixed step, seconds: a power of two, so that times add up exactly.
@@ -62,7 +72,11 @@ impl Sim {
     }
 
     /// An app with these settings of the step plugin.
-    pub fn with_step(step: StepPlugin) -> Self {
+    pub fn with_step(#[allow(unused_mut)] mut step: StepPlugin) -> Self {
+        #[cfg(feature = "gpu")]
+        if step.backend == Backend::Gpu {
+            step.device = DEVICE.with_borrow(Clone::clone);
+        }
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }));
         Self::of(app)

@@ -28,7 +28,8 @@ thread_local! {
 }
 
 /// Runs the tests that the command line selects, and exits the process. Each test has its group's name as a prefix.
-pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
+/// `prepare` runs before each test on the device.
+pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])], prepare: fn(&Gpu)) -> ! {
     let mut arguments = Arguments::from_args();
     arguments.test_threads = arguments.test_threads.or(Some(2));
     let mut trials = Vec::new();
@@ -47,6 +48,7 @@ pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
                 DEVICE.with(|device| match device.get_or_init(|| Box::leak(Box::new(open()))) {
                     Ok(gpu) => {
                         let start = Instant::now();
+                        prepare(gpu);
                         test(gpu);
                         println!("{name}: {:.1} s", start.elapsed().as_secs_f32());
                         Ok(Completion::Completed)

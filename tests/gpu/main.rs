@@ -63,5 +63,9 @@ fn main() {
             ("cli", cli::TESTS),
         ],
         &[("contract", contract::TESTS), ("kernels", kernels::TESTS)],
+        |_gpu| {
+            #[cfg(feature = "bevy")]
+            app::DEVICE.set(Some(_gpu.clone()));
+        },
     );
 }

@@ -1,6 +1,6 @@
 //! The plugin on a GPU: what it says it takes, what it finds, and what happens when the device is lost.
 
-use crate::app::{Sim, ball_like, sorted};
+use crate::app::{DEVICE, Sim, ball_like, sorted};
 use crate::gpu::Test;
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
@@ -121,6 +121,7 @@ fn failures(sim: &mut Sim) -> usize {
 }
 
 fn lost_once(_: &Gpu) {
+    DEVICE.set(None);
     let mut sim = app(Backend::Gpu);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
@@ -140,6 +141,7 @@ fn lost_once(_: &Gpu) {
 }
 
 fn lost_for_good(_: &Gpu) {
+    DEVICE.set(None);
     let mut sim = app(Backend::Gpu);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));

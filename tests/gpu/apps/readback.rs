@@ -1,7 +1,7 @@
 //! Results that are read two steps later, or stay on the GPU: they are those of steps that wait, two steps later, and
 //! what users write in between is neither lost nor overwritten.
 
-use crate::app::{STEP, Sim, ball_like, resting};
+use crate::app::{DEVICE, STEP, Sim, ball_like, resting};
 use crate::gpu::Test;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -285,6 +285,7 @@ fn returns(_: &Gpu) {
 }
 
 fn lost(_: &Gpu) {
+    DEVICE.set(None);
     let mut sim = app(Backend::Gpu, Readback::Latent);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
