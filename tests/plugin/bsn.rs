@@ -19,6 +19,7 @@ fn sim() -> (Sim, [MeshCollider; 2]) {
         .all(|mesh| matches!(server.load_state(&mesh.0), LoadState::Loaded))
     {
         assert!(start.elapsed() < Duration::from_secs(60), "the meshes are not loaded");
+        std::thread::sleep(Duration::from_millis(1));
         sim.app.update();
     }
     sim.world().insert_resource(Gravity::default());

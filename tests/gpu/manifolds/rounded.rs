@@ -79,7 +79,7 @@ struct Setting {
 
 /// What touches, or nearly so.
 const NEAR: Setting = Setting {
-    count: 400,
+    count: 240,
     range: [0.5, 1.02],
     is_scaled: false,
 };

@@ -31,7 +31,7 @@ fn in_batches_of(gpu: &Gpu, bytes: u64) -> GpuStep {
 
 /// Tori deep in each other, on half-spaces.
 fn pile(response: Response) -> Scene {
-    pile_of(60, response)
+    pile_of(40, response)
 }
 
 fn pile_of(tori: usize, response: Response) -> Scene {
@@ -116,7 +116,7 @@ pub fn a_pile_in_batches(gpu: &Gpu) {
 /// Pairs of large meshes, each of which takes more than a batch should.
 pub fn large_meshes_in_batches(gpu: &Gpu) {
     for response in [Response::None, Response::Contacts] {
-        let mut scene = heap(&shapes::ball(0.5, 4), 6, 0.4);
+        let mut scene = heap(&shapes::ball(0.5, 4), 4, 0.35);
         scene.config.response = response;
         scene.bodies.iter_mut().for_each(|body| body.scale = Vec3::ONE);
         let [mut small, mut large] = [64 << 10, 256 << 20].map(|bytes| in_batches_of(gpu, bytes));
@@ -152,7 +152,7 @@ pub fn batches_become_fewer(gpu: &Gpu) {
 /// A device that binds little memory makes contact points of many pairs all the same.
 pub fn little_memory_suffices_for_many_pairs(gpu: &Gpu) {
     let limit = 1 << 20;
-    let mut scene = pile_of(90, Response::None);
+    let mut scene = pile_of(70, Response::None);
     // Lists of faces would not fit either.
     scene.config.face_lists = false;
     let mut step = GpuStep::new(with_binding_size(gpu, limit)).unwrap();

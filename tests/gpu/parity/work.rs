@@ -16,7 +16,7 @@ use bevy_faceoff::types::settings::Response;
 use glam::Vec3;
 
 fn crowd(response: Response) -> Scene {
-    let mut scene = heap(&shapes::torus_240(), 60, 3.0);
+    let mut scene = heap(&shapes::torus_240(), 40, 2.6);
     scene.config.response = response;
     scene
 }
