@@ -66,6 +66,7 @@
 //! | to | use |
 //! |---|---|
 //! | choose where the stages run | `StepPlugin { backend: Backend::Cpu, .. }` in `FaceoffPlugins`; read [`ActiveBackend`] |
+//! | run several apps on one GPU device, whose kernels are compiled once | `StepPlugin { device: plugin::gpu(first.world()).cloned(), .. }`, once the first app is finished |
 //! | choose where compiled kernels of a GPU are kept | `StepPlugin { kernel_cache: KernelCache::Folder(..), .. }`, or `KernelCache::Off`; Vulkan only |
 //! | not wait for a GPU | `StepPlugin { readback: Readback::Latent, .. }` |
 //! | draw without reading back from the GPU | `StepPlugin { readback: Readback::Resident, .. }`, with `plugin::poses`; `plugin::drawn_part` and `Poses::WGSL` to blend the poses of two steps |

@@ -23,7 +23,7 @@ use bevy::prelude::*;
 use rayon::ThreadPool;
 
 #[cfg(feature = "gpu")]
-use crate::gpu::device::{self, Gpu, NoGpu};
+use crate::gpu::device::{Gpu, NoGpu};
 #[cfg(feature = "gpu")]
 use crate::gpu::readback::DeviceError;
 #[cfg(feature = "gpu")]
@@ -208,9 +208,7 @@ impl Engine {
     fn start(&mut self) {
         self.active = ActiveBackend::Opening;
         self.announced = false;
-        if matches!(&self.source, Source::Given(gpu) if device::is_lost(gpu)) {
-            self.source = Source::Own;
-        }
+        self.source.give_up_lost();
         let (source, software) = (self.source.clone(), self.backend == Backend::Gpu);
         let kernels = self.kernel_cache.clone();
         if self.backend == Backend::Cpu {
@@ -494,6 +492,7 @@ impl Engine {
         drop(failed);
         let may_be_cured = matches!(error, StepError::Device(DeviceError::Failed(_)));
         if may_be_cured && self.retries.take() {
+            self.source.give_up_lost();
             if self.source.is_lost() {
                 return self.wait_for_renderer(&error.to_string());
             }

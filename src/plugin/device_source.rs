@@ -41,6 +41,13 @@ impl Source {
         })
     }
 
+    /// Opens an own device from now on, if the program gave one that is lost.
+    pub fn give_up_lost(&mut self) {
+        if matches!(self, Self::Given(gpu) if device::is_lost(gpu)) {
+            *self = Self::Own;
+        }
+    }
+
     /// Whether the device is the renderer's and is lost, so that Bevy must open another one.
     pub fn is_lost(&self) -> bool {
         matches!(self, Self::Renderer(gpu) if device::is_lost(gpu))

@@ -36,9 +36,9 @@ pub struct StepPlugin {
     pub readback: Readback,
     /// Where compiled kernels of a device that the plugin opens itself are kept. Default [`KernelCache::User`].
     pub kernel_cache: KernelCache,
-    /// A device that the program has opened, in place of one of the plugin's own or the renderer's. Apps that get clones
-    /// of one [`Gpu`] share its compiled kernels, so that only the first waits for them: tests and servers run many
-    /// worlds. If the device is lost, each opens its own. Default `None`.
+    /// A device that is open already, in place of one of the plugin's own or the renderer's: that of another app, from
+    /// [`plugin::gpu`](gpu). Such apps share its compiled kernels, so that only the first waits for them: tests and servers
+    /// run many worlds. If the device is lost, each app opens its own. Default `None`.
     #[cfg(feature = "gpu")]
     pub device: Option<Gpu>,
 }

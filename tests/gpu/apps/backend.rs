@@ -13,6 +13,7 @@ pub const TESTS: &[Test] = &[
     ("an_app_on_the_gpu_finds_what_one_on_the_cpu_does", same_collisions),
     ("a_body_bounces_off_a_plane_as_on_the_cpu", bounce),
     ("a_lost_device_is_opened_anew_and_the_step_is_not_lost", lost_once),
+    ("apps_share_a_device_until_it_is_lost", share),
     ("the_cpu_takes_over_from_a_device_that_is_always_lost", lost_for_good),
     ("bodies_come_and_go_while_the_gpu_steps", churn),
 ];
@@ -138,6 +139,29 @@ fn lost_once(_: &Gpu) {
         "six steps: {}",
         sim.position(body)
     );
+}
+
+fn share(_: &Gpu) {
+    DEVICE.set(None);
+    let mut first = app(Backend::Gpu);
+    DEVICE.set(bevy_faceoff::plugin::gpu(first.app.world()).cloned());
+    let mut second = app(Backend::Gpu);
+    let is_shared = |sim: &Sim| matches!(active(sim), ActiveBackend::Gpu { shared: true, .. });
+    assert!(!is_shared(&first) && is_shared(&second));
+    let bodies = [&mut first, &mut second].map(|sim| {
+        let torus = sim.mesh(&shapes::torus_240());
+        sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X))
+    });
+    first.step(1);
+    second.step(1);
+    lose(&first);
+    // Each opens a device of its own.
+    for (sim, body) in [(&mut first, bodies[0]), (&mut second, bodies[1])] {
+        sim.step(1);
+        assert_eq!((failures(sim), active(sim).name()), (1, "gpu"));
+        assert!(!is_shared(sim));
+        assert!((sim.position(body).x - 2.0 / 64.0).abs() < 1.0e-6);
+    }
 }
 
 fn lost_for_good(_: &Gpu) {
