@@ -29,6 +29,14 @@
 //! }
 //! ```
 //!
+//! # Three ways to use it
+//!
+//! | crate | in | what it does |
+//! |---|---|---|
+//! | `bevy_faceoff` | Bevy, or no engine | collisions, contacts and motion of all bodies, on the CPU or on a GPU |
+//! | `avian_faceoff` | Avian | contacts between meshes; all else is Avian's |
+//! | `parry_faceoff` | parry and rapier | contacts between meshes; all else is theirs |
+//!
 //! # Map
 //!
 //! | to | see |
@@ -138,7 +146,7 @@ pub mod prelude {
         CasterShape, PointHitData, QueryShape, RayCaster, RayHitData, RayHits, ShapeCaster, ShapeHitData, ShapeHits,
         SpatialQuery, SpatialQueryFilter,
     };
-    pub use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
+    pub use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, MeasureEnergy, Readback};
     pub use crate::plugin::shapes::{BallCollider, CapsuleCollider, ConeCollider, CuboidCollider, CylinderCollider};
     pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};

@@ -92,8 +92,8 @@ struct Body {
     torque_acceleration: f32,
     // By gravity and the external force, m/s².
     acceleration: vec3<f32>,
-    // Radius of the rounding, metres; 0 for most meshes. Without it the surface is that of the mesh; with it the mesh is
-    // the core.
+    // Radius of the rounding, metres; 0 for most meshes. Without it the surface is that of the mesh; with it the mesh
+    // is the core.
     rounding: f32,
 }
 

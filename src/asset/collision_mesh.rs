@@ -199,8 +199,8 @@ impl CollisionMesh {
 impl BakedMesh {
     /// The volume with this scale along the mesh's axes, cubic metres.
     ///
-    /// It is exact for balls and capsules, and without a rounding. An uneven scale makes that of another rounded mesh too
-    /// large, because the rounding has the smallest component of the scale.
+    /// It is exact for balls and capsules, and without a rounding. An uneven scale makes that of another rounded mesh
+    /// too large, because the rounding has the smallest component of the scale.
     pub(crate) fn volume(&self, scale: DVec3) -> f64 {
         let mass = self.unevenly_scaled(scale);
         mass.map_or_else(

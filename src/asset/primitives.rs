@@ -1,4 +1,5 @@
-//! Collision meshes of simple shapes: balls, capsules and boxes, exactly round; cylinders and cones, finely tessellated.
+//! Collision meshes of simple shapes: balls, capsules and boxes, exactly round; cylinders and cones, finely
+//! tessellated.
 
 use super::collision_mesh::CollisionMesh;
 use crate::geometry::mesh::MAX_COORDINATE;

@@ -177,8 +177,8 @@ fn visit_groove(ends: [DVec3; 2], normals: [DVec3; 2], radius: f64, pieces: &mut
     }
 }
 
-/// Visits the sector of a ball at a vertex, between the normals of its faces. Tells whether these are on one side, as at
-/// a convex corner; otherwise there is no sector.
+/// Visits the sector of a ball at a vertex, between the normals of its faces. Tells whether these are on one side, as
+/// at a convex corner; otherwise there is no sector.
 fn visit_corner(at: DVec3, normals: &[DVec3], radius: f64, pieces: &mut impl Rounding) -> bool {
     let middle = normals.iter().sum::<DVec3>().normalize_or_zero();
     if normals.iter().any(|normal| normal.dot(middle) < LEAST_COSINE) {

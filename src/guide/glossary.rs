@@ -74,8 +74,8 @@
 //! | [`ring`] | 384 | the same; others fit through its hole, for chains |
 //!
 //! Balls, capsules, boxes, cylinders and cones for games are components: see
-//! [`guide::meshes`](super::meshes#round-shapes). Planes have no mesh: [`PlaneCollider`] is a half-space without an end. Queries also take balls, boxes and capsules:
-//! [`QueryShape`].
+//! [`guide::meshes`](super::meshes#round-shapes). Planes have no mesh: [`PlaneCollider`] is a half-space without an
+//! end. Queries also take balls, boxes and capsules: [`QueryShape`].
 //!
 //! [`ActiveBackend`]: crate::plugin::backend::ActiveBackend
 //! [`Backend`]: crate::plugin::settings::Backend

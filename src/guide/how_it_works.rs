@@ -182,8 +182,8 @@
 //!
 //! In the simulation, finely tessellated round surfaces touch where the smooth surface through their vertices does, so
 //! balls and wheels roll on without bumps. It lies up to a hundredth of its radius of curvature outside of the facets.
-//! Rounded meshes touch where their cores are as near as both roundings: at every place where one core is nearest to the
-//! other, with the way between the nearest points as the normal. So a ball has one point on anything flat.
+//! Rounded meshes touch where their cores are as near as both roundings: at every place where one core is nearest to
+//! the other, with the way between the nearest points as the normal. So a ball has one point on anything flat.
 //!
 //! On the CPU a pair keeps its candidates from step to step, found with some slack, until the bodies have moved
 //! farther.

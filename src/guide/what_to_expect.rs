@@ -13,8 +13,8 @@
 //! in each other, it is at up to 1 m/s. They sleep once they are apart.
 //!
 //! Contacts are solved until they have converged, or for at most [`SolverSettings::max_iterations`] passes; large
-//! piles get fewer passes. So a heavy body rests on a light one, and towers of small cubes stand. On the CPU, chains and
-//! other sparse groups whose passes do not converge are solved directly: a chain of a hundred links holds a
+//! piles get fewer passes. So a heavy body rests on a light one, and towers of small cubes stand. On the CPU, chains
+//! and other sparse groups whose passes do not converge are solved directly: a chain of a hundred links holds a
 //! thousand times the mass of one. On a GPU they get shorter substeps instead, and may stretch. Chains without friction
 //! may come apart under loads.
 //!

@@ -39,6 +39,7 @@
 //! | know which faces touch, and where | [`FaceLists`]`(true)`, then [`Collision::faces`] |
 //! | choose when a collision ends | [`EventHysteresis`], 0.1 s by default |
 //! | test fewer triangles, approximately | [`Culling`] for the world, [`BodyCulling`] for a body; exact by default |
+//! | see whether energy is made or lost | [`MeasureEnergy`]`(true)`; read [`StepReport::energy`] |
 //! | measure | [`StepReport`], with the work of a GPU in [`StepReport::gpu`]; or Bevy diagnostics under `faceoff/..` |
 //!
 //! # Queries
@@ -141,6 +142,8 @@
 //! [`SpatialQueryFilter`]: crate::plugin::queries::SpatialQueryFilter
 //! [`StableKey`]: crate::plugin::components::StableKey
 //! [`StepReport`]: crate::plugin::collisions::StepReport
+//! [`MeasureEnergy`]: crate::plugin::settings::MeasureEnergy
+//! [`StepReport::energy`]: crate::plugin::collisions::StepReport::energy
 //! [`StepReport::gpu`]: crate::plugin::collisions::StepReport::gpu
 //! [`Teleport`]: crate::plugin::components::Teleport
 //! [`queries`]: crate::queries

@@ -5,6 +5,7 @@ use crate::plugin::sync::Rows;
 use crate::plugin::sync::order::Numbers;
 use crate::state::manifolds::pair_order;
 use crate::state::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
+use crate::types::energy::Energy;
 use crate::types::gpu_work::GpuWork;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
@@ -67,8 +68,8 @@ pub struct Collision<'a> {
     /// meshes; `a` is a face of `collider1`. Empty if the two are only near each other, like bodies at rest, and for
     /// planes.
     ///
-    /// Faces of rounded meshes are those whose roundings touch. Bodies of which one is rounded have none while they push
-    /// each other.
+    /// Faces of rounded meshes are those whose roundings touch. Bodies of which one is rounded have none while they
+    /// push each other.
     pub faces: Option<&'a [FacePair]>,
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
     /// that did not push have impulse 0.
@@ -377,6 +378,12 @@ pub struct StepReport {
     pub crowded_bodies: usize,
     /// What the step asked of the GPU: commands, bytes and memory. `None` if it ran on the CPU.
     pub gpu: Option<GpuWork>,
+    /// Kinetic and potential energy of the dynamic bodies after the step. It grows only by the work of forces, impulses
+    /// and what moves kinematic bodies, and by velocities and poses that the game writes.
+    ///
+    /// `None` unless [`MeasureEnergy`](crate::plugin::settings::MeasureEnergy) asks for it, and where results of a GPU
+    /// come later than in the step that finds them.
+    pub energy: Option<Energy>,
 }
 
 impl StepReport {
@@ -412,6 +419,7 @@ impl fmt::Debug for StepReport {
             waits,
             crowded_bodies,
             gpu,
+            energy,
         } = self;
         let stages = fmt::from_fn(|f| {
             let times = Stage::ALL.map(|stage| (stage, self.time(stage)));
@@ -439,6 +447,7 @@ impl fmt::Debug for StepReport {
             .field("waits", waits)
             .field("crowded_bodies", crowded_bodies)
             .field("gpu", gpu)
+            .field("energy", energy)
             .finish()
     }
 }

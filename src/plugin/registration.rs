@@ -5,7 +5,7 @@ use crate::plugin::clock::Physics;
 use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
 use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
-use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity};
+use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, MeasureEnergy};
 use crate::types::body::*;
 use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::limits::StepLimits;
@@ -53,6 +53,7 @@ pub(super) fn register(app: &mut App) {
         .register_type::<Culling>()
         .register_type::<EventHysteresis>()
         .register_type::<FaceLists>()
+        .register_type::<MeasureEnergy>()
         .register_type::<Gravity>()
         .register_type::<Response>()
         .register_type::<SolverSettings>()

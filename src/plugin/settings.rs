@@ -71,6 +71,12 @@ impl Default for EventHysteresis {
 #[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FaceLists(pub bool);
 
+/// Whether [`StepReport::energy`](crate::plugin::collisions::StepReport::energy) tells the energy of all bodies after
+/// each step. Default false: it is `None`. It costs some nanoseconds a body, whether or not the body moves.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Deref, DerefMut, Serialize, Deserialize)]
+#[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasureEnergy(pub bool);
+
 /// Where the stages run. Read when the app starts; [`ActiveBackend`](crate::plugin::backend::ActiveBackend) holds the
 /// result.
 ///

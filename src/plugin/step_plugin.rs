@@ -10,7 +10,7 @@ use crate::plugin::hooks;
 use crate::plugin::registration;
 use crate::plugin::renderer;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
-use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
+use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, MeasureEnergy, Readback};
 use crate::plugin::sync::changes::{note_enabled, note_removed};
 use crate::plugin::sync::{Step, collect, deep_overlaps, hierarchy, publish};
 #[cfg(feature = "gpu")]
@@ -37,8 +37,8 @@ pub struct StepPlugin {
     /// Where compiled kernels of a device that the plugin opens itself are kept. Default [`KernelCache::User`].
     pub kernel_cache: KernelCache,
     /// A device that is open already, in place of one of the plugin's own or the renderer's: that of another app, from
-    /// [`plugin::gpu`](gpu). Such apps share its compiled kernels, so that only the first waits for them: tests and servers
-    /// run many worlds. If the device is lost, each app opens its own. Default `None`.
+    /// [`plugin::gpu`](gpu). Such apps share its compiled kernels, so that only the first waits for them: tests and
+    /// servers run many worlds. If the device is lost, each app opens its own. Default `None`.
     #[cfg(feature = "gpu")]
     pub device: Option<Gpu>,
 }
@@ -49,6 +49,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Culling>()
             .init_resource::<EventHysteresis>()
             .init_resource::<FaceLists>()
+            .init_resource::<MeasureEnergy>()
             .init_resource::<Gravity>()
             .init_resource::<Response>()
             .init_resource::<SolverSettings>()

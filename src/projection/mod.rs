@@ -64,8 +64,8 @@ pub struct BakeSettings {
     /// its bounding box; more than 0, at most 0.5. See
     /// [`MassProperties::with_shell`](crate::geometry::MassProperties::with_shell).
     pub shell_thickness: f32,
-    /// Radius of the rounding, mesh units; 0 for none. The surface is then all that is within this distance of the mesh,
-    /// which is its *core*: edges and corners are round, and a sheet has a thickness of twice the radius.
+    /// Radius of the rounding, mesh units; 0 for none. The surface is then all that is within this distance of the
+    /// mesh, which is its *core*: edges and corners are round, and a sheet has a thickness of twice the radius.
     ///
     /// A scale multiplies it by its smallest component, because a round surface stays round only under even scales.
     pub rounding: f32,

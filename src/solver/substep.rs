@@ -319,9 +319,10 @@ impl<'a> Passes<'a> {
 
 /// Updates the points of a batch after its bodies have moved.
 ///
-/// Impulses stay where they acted, which keeps the angular momentum, or move with the points, which keeps the energy. An
-/// elastic body that meets an immovable one keeps its energy. So does an island in the lanes `unconverged`: its impulses
-/// can be large and cancel each other, as in a taut chain, and would push it along if some of them had other directions.
+/// Impulses stay where they acted, which keeps the angular momentum, or move with the points, which keeps the energy.
+/// An elastic body that meets an immovable one keeps its energy. So does an island in the lanes `unconverged`: its
+/// impulses can be large and cancel each other, as in a taut chain, and would push it along if some of them had other
+/// directions.
 #[inline(always)]
 fn move_impulses<S: Simd>(simd: S, batch: &Batch, points: &mut [PointLanes], states: &mut StatesMut, unconverged: u32) {
     let moving = batch.bounces_off | unconverged;

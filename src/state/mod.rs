@@ -31,6 +31,7 @@ pub mod contacts;
 pub mod crowd;
 pub mod departure;
 pub(crate) mod dormant_set;
+mod energy;
 #[cfg(feature = "gpu")]
 mod excerpt;
 pub mod fault;

@@ -40,8 +40,8 @@ impl<'a> PlacedMesh<'a> {
         Some([start, end].map(|end| self.scale * (end - self.mesh.mass.center)))
     }
 
-    /// A point of the core that is at least as far along `u`, a vector along the mesh's axes, as all of the core, relative
-    /// to the centre of mass, scaled.
+    /// A point of the core that is at least as far along `u`, a vector along the mesh's axes, as all of the core,
+    /// relative to the centre of mass, scaled.
     #[inline]
     pub fn core_support(&self, u: Vec3) -> Vec3 {
         match self.thin_ends() {

@@ -139,8 +139,8 @@ pub(crate) fn run(
 /// The most pairs of faces that are listed of a rounded pair: a large ball may hold a whole level.
 const MAX_ROUNDED_FACES: usize = 1 << 14;
 
-/// Adds a pair whose cores are apart and whose rounded surfaces touch, with the contact where they are deepest. Its faces
-/// are those whose roundings touch, up to [`MAX_ROUNDED_FACES`].
+/// Adds a pair whose cores are apart and whose rounded surfaces touch, with the contact where they are deepest. Its
+/// faces are those whose roundings touch, up to [`MAX_ROUNDED_FACES`].
 fn add_rounded(pair @ [a, b]: [&PlacedMesh; 2], near: &NearPair, found: &mut Contacts) {
     let first_face = found.faces.len() as u32;
     let mut deepest: Option<rounded::Touch> = None;

@@ -3,6 +3,7 @@
 //! They are plain data. With the feature `bevy` they are also components and resources.
 
 pub mod body;
+pub mod energy;
 pub mod feature_id;
 pub mod gpu_work;
 pub mod hooks;

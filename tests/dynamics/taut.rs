@@ -71,8 +71,8 @@ fn link() -> TriMesh {
     TriMesh::new(points, faces.collect()).unwrap()
 }
 
-/// Lets a chain of `count` links between two fixed ones fall and swing. It has hardly any slack. Returns the most energy
-/// that it has above the start, over the most kinetic energy.
+/// Lets a chain of `count` links between two fixed ones fall and swing. It has hardly any slack. Returns the most
+/// energy that it has above the start, over the most kinetic energy.
 fn excess(count: usize, friction: f32, rate: f32, seconds: f32) -> f64 {
     // A link's length between its neighbours, less than a millimetre.
     const PITCH: f32 = 2.0 * (0.4 - 0.1) + 0.5 - 0.001;

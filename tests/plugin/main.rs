@@ -13,6 +13,7 @@ mod contacts;
 mod culling;
 mod dormant;
 mod driven;
+mod energy;
 mod extreme_masses;
 mod groups;
 mod hooks;

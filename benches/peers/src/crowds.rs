@@ -1,5 +1,5 @@
-//! Crowds, in ours and in rapier3d: balls and capsules that fall into a bin and settle there, and cubes that stand on each
-//! other. Nothing sleeps, so that the same work is left at the end.
+//! Crowds, in ours and in rapier3d: balls and capsules that fall into a bin and settle there, and cubes that stand on
+//! each other. Nothing sleeps, so that the same work is left at the end.
 
 use crate::engine::THREADS;
 use crate::levels::Step;

@@ -13,8 +13,8 @@ impl MassProperties {
     /// The mass of all that is within `radius` of the mesh; [`MassProperties::with_shell`] for a radius of 0.
     ///
     /// It is exact for segments and points, and to about 1e-5 for convex meshes. It is approximate
-    /// ([`MassProperties::approximate`]) if the mesh has grooves, of which narrow ones take too much off, and for sheets,
-    /// which get no more than their two sides and half a cylinder along their borders.
+    /// ([`MassProperties::approximate`]) if the mesh has grooves, of which narrow ones take too much off, and for
+    /// sheets, which get no more than their two sides and half a cylinder along their borders.
     pub fn rounded(mesh: &TriMesh, shell: f32, radius: f32) -> Self {
         if radius == 0.0 {
             return Self::with_shell(mesh, shell);

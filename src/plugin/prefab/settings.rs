@@ -82,8 +82,8 @@ pub struct ColliderSettings {
     /// How to bake the mesh. With `None` a baked mesh or recipe beside the file is used if there is one, and the
     /// default otherwise.
     pub bake: Option<BakeSettings>,
-    /// Radius of the rounding, mesh units. It takes the place of that in [`ColliderSettings::bake`]; a baked mesh or recipe
-    /// beside the file is then not used.
+    /// Radius of the rounding, mesh units. It takes the place of that in [`ColliderSettings::bake`]; a baked mesh or
+    /// recipe beside the file is then not used.
     pub rounding: Option<f32>,
 }
 

@@ -6,7 +6,8 @@ use super::touching::CollisionWriters;
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
 use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
-use crate::plugin::settings::EventHysteresis;
+use crate::plugin::settings::{EventHysteresis, MeasureEnergy};
+use crate::state::StepInput;
 use crate::types::body::*;
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::EntityHashSet;
@@ -250,6 +251,7 @@ pub(crate) fn publish(
     mut collisions: ResMut<Collisions>,
     mut report: ResMut<StepReport>,
     hysteresis: Res<EventHysteresis>,
+    measure_energy: Res<MeasureEnergy>,
     mut writers: CollisionWriters,
 ) {
     let step = &mut *step;
@@ -258,7 +260,7 @@ pub(crate) fn publish(
         return;
     }
     step.warn_of_crowd(report.crowded_bodies);
-    step.report(&mut report);
+    step.report(&mut report, **measure_energy);
     step.touch(&mut collisions, seconds(*hysteresis), &mut writers);
     report.total = step.begun.elapsed();
     let Some(results) = &mut step.results else { return };
@@ -285,8 +287,10 @@ impl Step {
     }
 
     /// Reports the last step, except its total time.
-    fn report(&self, report: &mut StepReport) {
+    fn report(&self, report: &mut StepReport, measure_energy: bool) {
         let (counts, results) = (self.counts, &self.state.results);
+        let StepInput { bodies, config, .. } = &self.state.input;
+        let energy = (measure_energy && !self.engine.is_latent()).then(|| bodies.energy(config.gravity));
         let body_counts = self.results.as_ref().map_or([0; 2], |results| results.body_counts);
         *report = StepReport {
             step: report.step + 1,
@@ -308,6 +312,7 @@ impl Step {
             parallel_stages: self.engine.parallel_stages(),
             crowded_bodies: counts.crowded,
             gpu: results.gpu,
+            energy,
             ..*report
         };
     }

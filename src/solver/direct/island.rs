@@ -179,8 +179,8 @@ impl Direct {
 }
 
 impl DirectPair {
-    /// Adds the difference between the impulses of a point and those before the solve to the sums of the impulses on its
-    /// bodies.
+    /// Adds the difference between the impulses of a point and those before the solve to the sums of the impulses on
+    /// its bodies.
     #[inline(always)]
     pub fn push(&self, point: &Point, sums: &mut [Vector]) {
         let impulses = point.result();

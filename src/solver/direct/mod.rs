@@ -6,8 +6,8 @@
 //!
 //! Here the velocities of all bodies of the island are the unknowns, and the impulses follow from them. An
 //! interior-point method finds both: impulses and gaps stay positive, and their products fall together, so the method
-//! needs no guess which points push (Wright, "Primal-Dual Interior-Point Methods", 1997). Each iteration solves a linear
-//! system. The limits of friction follow the normal impulses from one iteration to the next.
+//! needs no guess which points push (Wright, "Primal-Dual Interior-Point Methods", 1997). Each iteration solves a
+//! linear system. The limits of friction follow the normal impulses from one iteration to the next.
 //!
 //! The matrix has a block of six unknowns for each body and one for each pair of bodies in contact. It is factorised
 //! in an order that fills few other blocks, so a chain costs no more than its length.

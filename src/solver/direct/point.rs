@@ -1,17 +1,17 @@
 //! A contact point of an island, and the laws between its impulses and velocities.
 //!
-//! Impulse and slack of a normal are positive, and their product is the *barrier*, a number that falls to zero. Friction
-//! is `-limit v / sqrt(v^2 + least^2)` for the sliding velocity `v`; `least` falls with the barrier. Its linearisation
-//! treats friction as an unknown of its own (Chan, Golub and Mulet, "A nonlinear primal-dual method for total
-//! variation-based image restoration", 1999), so that it converges from afar.
+//! Impulse and slack of a normal are positive, and their product is the *barrier*, a number that falls to zero.
+//! Friction is `-limit v / sqrt(v^2 + least^2)` for the sliding velocity `v`; `least` falls with the barrier. Its
+//! linearisation treats friction as an unknown of its own (Chan, Golub and Mulet, "A nonlinear primal-dual method for
+//! total variation-based image restoration", 1999), so that it converges from afar.
 
 use super::super::batch::{Batch, PointLanes, RowLanes};
 use super::blocks::{N, Vector};
 use crate::geometry::lanes::Stored;
 use crate::simd::lanes::lane_of;
 
-/// A rigid constraint with friction gives way by this part of the velocity that its impulse changes. So points that hold
-/// the same load have unique impulses, and unique limits of friction.
+/// A rigid constraint with friction gives way by this part of the velocity that its impulse changes. So points that
+/// hold the same load have unique impulses, and unique limits of friction.
 const GIVE: f64 = 1.0e-4;
 /// It gives way by at most this, m/s, whatever its load.
 const MOST_GIVE: f64 = 4.0e-3;

@@ -133,7 +133,8 @@ fn pairs_of(lists: [&[CollisionMesh]; 2], setting: Setting) -> (StepState, Vec<M
     (state, pairs)
 }
 
-/// Requires the same pairs with the same deepest points, and that no more than this share of points is without the like.
+/// Requires the same pairs with the same deepest points, and that no more than this share of points is without the
+/// like.
 fn require(name: &str, result: Agreement, share: f64) {
     assert!(result.pairs > 50, "{name}: {} pairs", result.pairs);
     assert_eq!(
