@@ -34,7 +34,7 @@ fn nobody_asks_and_nothing_is_told() {
 }
 
 #[test]
-pub fn motion_rotation_and_height_count_by_formula() {
+fn motion_rotation_and_height_count_by_formula() {
     let mut sim = asked();
     let cube = sim.mesh(&shapes::cube(1.0));
     let at = Vec3::new(3.0, 2.0, -1.0);

@@ -19,6 +19,7 @@ pub const TESTS: &[Test] = &[
     ("bodies_and_meshes_come_and_go_in_flight", churn),
     ("a_body_that_leaves_and_returns_gets_no_old_result", returns),
     ("a_lost_device_loses_no_body", lost),
+    ("energy_is_told_where_results_are_waited_for", energy),
     ("resident_bodies_move_on_the_gpu_alone", resident),
     ("a_snapshot_brings_everything_back", snapshots),
     ("poses_after_a_snapshot_are_those_of_the_bodies_told", restored_poses),
@@ -282,6 +283,26 @@ fn returns(_: &Gpu) {
     sim.step(3);
     assert_eq!(sim.position(body), Vec3::new(4.0 / 64.0, 4.0, 0.0));
     assert_eq!(sim.position(third), Vec3::new(0.0, -9.0, 1.0 / 64.0));
+}
+
+fn energy(_: &Gpu) {
+    let measure = |backend, readback| {
+        let mut sim = app(backend, readback);
+        sim.world().insert_resource(MeasureEnergy(true));
+        let torus = sim.mesh(&shapes::torus_240());
+        sim.spawn(ball_like(&torus, Vec3::Y, Vec3::X));
+        sim.step(10);
+        sim.report().energy
+    };
+    let cpu = measure(Backend::Cpu, Readback::Auto).unwrap();
+    let gpu = measure(Backend::Gpu, Readback::Lockstep).unwrap();
+    assert!(
+        cpu.kinetic > 0.0 && (cpu.kinetic - gpu.kinetic).abs() < 1e-5 * cpu.kinetic,
+        "{cpu:?} {gpu:?}"
+    );
+    for late in [Readback::Latent, Readback::Resident] {
+        assert_eq!(measure(Backend::Gpu, late), None);
+    }
 }
 
 fn lost(_: &Gpu) {

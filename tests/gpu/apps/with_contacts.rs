@@ -11,9 +11,6 @@ mod contacts;
 #[path = "../../plugin/driven.rs"]
 #[allow(dead_code)]
 mod driven;
-#[path = "../../plugin/energy.rs"]
-#[allow(dead_code)]
-mod energy;
 #[path = "../../plugin/hooks.rs"]
 #[allow(dead_code)]
 mod hooks;
@@ -71,7 +68,6 @@ pub const TESTS: &[Test] = &tests! {
     a_sleeper_wakes_when_its_gravity_or_its_locks_change: sudden::a_sleeper_wakes_when_its_gravity_or_its_locks_change();
     what_lies_still_falls_asleep: contacts::what_lies_still_falls_asleep_and_does_not_move_at_all();
     a_sleeper_wakes_when_the_mesh_under_it_goes: contacts::a_sleeper_wakes_when_the_mesh_under_it_goes();
-    energy_counts_by_formula: energy::motion_rotation_and_height_count_by_formula();
     who_may_not_sleep_does_not: contacts::who_may_not_sleep_does_not();
     collisions_hold_points_and_the_weight_on_them: contacts::collisions_hold_points_and_the_weight_on_them();
     every_corner_carries_a_quarter_of_the_weight:
