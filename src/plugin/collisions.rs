@@ -378,8 +378,9 @@ pub struct StepReport {
     pub crowded_bodies: usize,
     /// What the step asked of the GPU: commands, bytes and memory. `None` if it ran on the CPU.
     pub gpu: Option<GpuWork>,
-    /// Kinetic and potential energy of the dynamic bodies after the step. It grows only by the work of forces, impulses
-    /// and what moves kinematic bodies, and by velocities and poses that the game writes.
+    /// Kinetic and potential energy of the dynamic bodies after the step. If it grows without the work of forces,
+    /// impulses or kinematic bodies, and nobody wrote velocities, poses or [`Gravity`](crate::plugin::settings::Gravity),
+    /// the solver has made energy.
     ///
     /// `None` unless [`MeasureEnergy`](crate::plugin::settings::MeasureEnergy) asks for it, and where results of a GPU
     /// come later than in the step that finds them.

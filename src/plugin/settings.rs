@@ -72,7 +72,7 @@ impl Default for EventHysteresis {
 pub struct FaceLists(pub bool);
 
 /// Whether [`StepReport::energy`](crate::plugin::collisions::StepReport::energy) tells the energy of all bodies after
-/// each step. Default false: it is `None`. It costs some nanoseconds a body, whether or not the body moves.
+/// each step. Default false: it is `None`. It costs about 0.1 µs a dynamic body, asleep or not, and 1 ns any other.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Deref, DerefMut, Serialize, Deserialize)]
 #[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasureEnergy(pub bool);

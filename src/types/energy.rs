@@ -5,9 +5,9 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub struct Energy {
-    /// Of motion and rotation.
+    /// Energy of motion and rotation.
     pub kinetic: f64,
-    /// Of height in the field of gravity, 0 at the origin of the world. Forces of the game do not count.
+    /// Energy of height in the field of gravity, 0 at the origin of the world. Forces of the game do not count.
     pub potential: f64,
 }
 

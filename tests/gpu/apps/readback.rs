@@ -5,7 +5,7 @@ use crate::app::{DEVICE, STEP, Sim, ball_like, resting};
 use crate::gpu::Test;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::layout::{Body as DeviceBody, Moved};
 use bevy_faceoff::gpu::readback::read_words;
@@ -289,17 +289,33 @@ fn energy(_: &Gpu) {
     let measure = |backend, readback| {
         let mut sim = app(backend, readback);
         sim.world().insert_resource(MeasureEnergy(true));
-        let torus = sim.mesh(&shapes::torus_240());
-        sim.spawn(ball_like(&torus, Vec3::Y, Vec3::X));
+        sim.world().insert_resource(Gravity::default());
+        // Its centre of mass is not its origin.
+        let cube = shapes::cube(1.0);
+        let aside = cube.vertices().iter().map(|v| *v + Vec3::X).collect();
+        let aside = sim.mesh(&TriMesh::new(aside, cube.triangles().to_vec()).unwrap());
+        let motion = (LinearVelocity(Vec3::X), AngularVelocity(Vec3::new(1.0, 2.0, 3.0)));
+        sim.spawn((resting(&aside, Vec3::Y), Mass(2.0), motion));
+        let part = |x: f32| (aside.clone(), Transform::from_xyz(x, 1.0, 0.0));
+        let at = Transform::from_xyz(9.0, 0.0, 0.0);
+        sim.spawn((
+            RigidBody::Dynamic,
+            Mass(3.0),
+            motion,
+            at,
+            children![part(0.0), part(2.0)],
+        ));
         sim.step(10);
         sim.report().energy
     };
     let cpu = measure(Backend::Cpu, Readback::Auto).unwrap();
     let gpu = measure(Backend::Gpu, Readback::Lockstep).unwrap();
-    assert!(
-        cpu.kinetic > 0.0 && (cpu.kinetic - gpu.kinetic).abs() < 1e-5 * cpu.kinetic,
-        "{cpu:?} {gpu:?}"
-    );
+    for [on_cpu, on_gpu] in [[cpu.kinetic, gpu.kinetic], [cpu.potential, gpu.potential]] {
+        assert!(
+            on_cpu > 1.0 && (on_cpu - on_gpu).abs() < 1e-4 * on_cpu,
+            "{cpu:?} {gpu:?}"
+        );
+    }
     for late in [Readback::Latent, Readback::Resident] {
         assert_eq!(measure(Backend::Gpu, late), None);
     }
