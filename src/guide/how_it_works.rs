@@ -231,6 +231,7 @@
 //! | undecided triangles | double precision: touch up to 1e-14 of the bodies' size apart, the rounding of corners | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same GPU |
 //! | collision substeps | each group of bodies that can meet has its own number | the same, but if more than 64 groups have several, or if their number times that of all bodies exceeds 4 million, all may have the largest number |
+//! | pairs at rest | keep the features of the nearest pose of a fine grid, and their points are computed anew | are searched in each step |
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
 //! A step on a GPU is one submission, for any number of collision substeps. The GPU counts how many the step needs, but

@@ -26,6 +26,7 @@ pub mod planes;
 pub(super) mod precision;
 mod ray;
 pub(super) mod reduce;
+mod resting;
 pub(super) mod rim;
 mod search;
 pub(super) mod side;
@@ -39,6 +40,7 @@ pub(crate) use feature_ids::feature_ids;
 pub(crate) use kept::Kept;
 pub(super) use moved::Reuse;
 pub(crate) use pair::{Pair, PairPoint, Worker};
+pub(super) use resting::Rest;
 
 use super::MarginPair;
 use crate::parallel::loops;
@@ -47,6 +49,7 @@ use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, ManifoldPoint, Manifolds, PlacedMesh};
 use kept_pairs::KeptPairs;
 use rayon::prelude::*;
+use resting::RestingPair;
 
 /// Memory kept between steps.
 #[derive(Default)]
@@ -54,6 +57,7 @@ pub struct Scratch {
     tasks: Vec<Task>,
     workers: PerThread<Worker>,
     kept: KeptPairs,
+    searches: usize,
 }
 
 impl Scratch {
@@ -67,6 +71,11 @@ impl Scratch {
     pub(super) fn renew(&mut self) {
         (self.tasks, self.workers) = Default::default();
         self.kept.shrink();
+    }
+
+    /// Number of searches for features in the last call. A pair at rest has none.
+    pub(super) fn searches(&self) -> usize {
+        self.searches
     }
 
     /// Whether any pair of the last call is so large that it is worth more than one thread.
@@ -93,6 +102,7 @@ impl Scratch {
 struct Task {
     manifolds: Manifolds,
     dropped: Vec<[u32; 2]>,
+    searches: usize,
 }
 
 /// Pairs per task: small enough to balance the load, large enough to keep the scratch memory in cache.
@@ -117,6 +127,7 @@ pub fn run(
         pair,
         reuse: None,
         motion: None,
+        rest: None,
     };
     let pairs: Vec<PairRequest> = pairs.iter().map(request).collect();
     run_some(bodies, meshes, &pairs, |_| false, scratch, manifolds, &mut Vec::new());
@@ -131,6 +142,8 @@ pub(super) struct PairRequest {
     pub reuse: Option<Reuse>,
     /// How the bodies move; `None` if all points count.
     pub motion: Option<PairMotion>,
+    /// How little they move; `None` if they are always searched where they are.
+    pub rest: Option<Rest>,
 }
 
 /// Like [`run`], but pairs may reuse points or move. Pairs that are left out keep their candidates for later calls if
@@ -149,17 +162,28 @@ pub(super) fn run_some(
     if scratch.tasks.len() < task_count {
         scratch.tasks.resize_with(task_count, Task::default);
     }
-    let Scratch { tasks, workers, kept } = scratch;
+    let Scratch {
+        tasks,
+        workers,
+        kept,
+        searches,
+    } = scratch;
     let (tasks, workers) = (&mut tasks[..task_count], workers.ready());
     // A single task shares out its large pairs.
     let threads = if task_count == 1 { loops::threads() } else { 1 };
     let numbers = pairs.iter().map(|request| request.pair.bodies);
     let kept = kept.of(numbers, waits).par_chunks_mut(TASK);
     let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK)).zip(kept);
-    loops::for_each(parts, 1, |((Task { manifolds, dropped }, pairs), kept)| {
+    loops::for_each(parts, 1, |((task, pairs), kept)| {
+        let Task {
+            manifolds,
+            dropped,
+            searches,
+        } = task;
         manifolds.clear();
         dropped.clear();
         let mut worker = workers.lock();
+        worker.searches = 0;
         for (request, kept) in pairs.iter().zip(kept) {
             let first = manifolds.points.len();
             let (kept, points) = (&mut kept.kept, &mut manifolds.points);
@@ -168,9 +192,11 @@ pub(super) fn run_some(
             }
             manifolds.end_pair(request.pair.bodies, first);
         }
+        *searches = worker.searches;
     });
     manifolds.clear();
     dropped.clear();
+    *searches = tasks.iter().map(|task| task.searches).sum();
     for task in tasks.iter() {
         for pair in &task.manifolds.pairs {
             let first = manifolds.points.len();
@@ -189,6 +215,7 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifol
         pair,
         reuse: None,
         motion: None,
+        rest: None,
     };
     add_points(
         bodies,
@@ -207,43 +234,60 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifol
 fn add_points(
     bodies: &Bodies,
     meshes: &MeshArena,
-    PairRequest {
-        pair: MarginPair {
-            bodies: numbers,
-            margin,
-        },
-        reuse,
-        motion,
-    }: &PairRequest,
+    request: &PairRequest,
     worker: &mut Worker,
     kept: &mut Kept,
     threads: usize,
     points: &mut Vec<ManifoldPoint>,
 ) -> bool {
-    let Some(pair) = pair_of_bodies(bodies, meshes, *numbers) else {
+    let MarginPair {
+        bodies: numbers,
+        margin,
+    } = request.pair;
+    let Some(placed) = placed_bodies(bodies, meshes, numbers) else {
         return true;
     };
-    let is_done = |reuse: &Reuse| kept.points.move_to(&pair, bodies, *numbers, reuse, points);
-    if reuse.as_ref().is_some_and(is_done) {
+    let pair = Pair::new(placed.each_ref());
+    let is_done = |reuse: &Reuse| kept.points.move_to(&pair, bodies, numbers, reuse, points);
+    if request.reuse.as_ref().is_some_and(is_done) {
         return true;
     }
     let first = points.len();
-    let (chosen, dropped) = match motion {
-        Some(motion) => worker.reduced_in_motion(&pair, *margin, motion, kept, threads),
-        None => (worker.reduced(&pair, *margin, kept, threads), false),
+    let is_at_rest = request.rest.as_ref().is_some_and(|rest| {
+        let resting = RestingPair {
+            pair: &pair,
+            placed: placed.each_ref(),
+            margin,
+            rest,
+            motion: request.motion.as_ref(),
+        };
+        resting.find(worker, kept, threads)
+    });
+    let (chosen, dropped) = if is_at_rest {
+        (&worker.resting[..], false)
+    } else {
+        match &request.motion {
+            Some(motion) => worker.reduced_in_motion(&pair, margin, motion, kept, threads),
+            None => (worker.reduced(&pair, margin, kept, threads), false),
+        }
     };
     let offsets = numbers.map(|i| bodies.frame[i as usize].offset().as_vec3());
     let [a, b] = numbers.map(|i| bodies.angular_velocity[i as usize].as_dvec3());
     pair.add_points(chosen, b - a, |point| points.push(point.shifted(offsets)));
-    if let Some(reuse) = reuse {
+    if let Some(reuse) = &request.reuse {
         kept.points
-            .set(&pair, bodies, *numbers, *margin, reuse.step, &points[first..]);
+            .set(&pair, bodies, numbers, margin, reuse.step, &points[first..]);
     }
     !dropped
 }
 
-/// The two placed bodies; `None` if the indices name no pair of bodies.
+/// The pair of two bodies; `None` if the indices name none.
 fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Option<Pair<'a>> {
+    Some(Pair::new(placed_bodies(bodies, meshes, pair)?.each_ref()))
+}
+
+/// The two placed bodies; `None` if the indices name no pair of bodies.
+fn placed_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Option<[PlacedMesh<'a>; 2]> {
     let [a, b] = pair.map(|i| i as usize);
     if a == b || a.max(b) >= bodies.len() {
         return None;
@@ -257,5 +301,5 @@ fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2])
             rounding: bodies.rounding[i],
         })
     };
-    Some(Pair::new([&placed(a)?, &placed(b)?]))
+    Some([placed(a)?, placed(b)?])
 }

@@ -31,7 +31,8 @@
 //!    are convex in all directions.
 //!
 //! In a step of several collision substeps a pair that overlaps deeply keeps its points for some of them: see
-//! `cpu::moved`.
+//! `cpu::moved`. On the CPU a pair at rest keeps its features, and only their points are computed anew: see
+//! `cpu::resting`.
 //!
 //! All of this follows from the surfaces alone, without a convex decomposition or a distance field. Each vertex and
 //! edge is owned by one triangle, so no feature is found twice.

@@ -1,10 +1,10 @@
 //! Contact generation within a step: new manifolds of active pairs, reused ones of inactive pairs.
 
 use super::MarginPair;
-use super::cpu::{self, PairMotion, PairRequest, Reuse, planes};
+use super::cpu::{self, PairMotion, PairRequest, Rest, Reuse, planes};
 use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::pair_order;
-use crate::state::margins::{SAFETY, SpeculativeMargins};
+use crate::state::margins::{SAFETY, SpeculativeMargins, surface_speed};
 use crate::state::mesh_arena::MeshArena;
 use crate::state::travel::Travel;
 use crate::state::{Bodies, Manifolds, NearPair, Plane, StepConfig};
@@ -34,6 +34,11 @@ impl Scratch {
     /// contains the other.
     pub fn is_apart(&self, bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> bool {
         self.meshes.is_apart(bodies, meshes, pair)
+    }
+
+    /// Number of searches for contact features in the last call of [`find`].
+    pub fn searches(&self) -> usize {
+        self.meshes.searches()
     }
 
     /// The pairs whose speculative points the last call of [`find`] dropped because the bodies fly past each other
@@ -121,6 +126,10 @@ fn request_of(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPair, 
             depth: at_rest,
         }),
         motion: (config.response == Response::Contacts).then(|| motion_of(config, bodies, pair)),
+        rest: (config.response == Response::Contacts).then(|| Rest {
+            margin: at_rest,
+            travel: surface_speed(bodies, pair) * config.dt,
+        }),
     }
 }
 

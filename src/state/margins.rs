@@ -137,6 +137,15 @@ fn relative_speed(bodies: &Bodies, pair: [u32; 2]) -> f32 {
     (w - v).length()
 }
 
+/// Upper bound of the speed of the colliders' surfaces relative to each other, at their present velocities, m/s.
+pub(crate) fn surface_speed(bodies: &Bodies, pair: [u32; 2]) -> f32 {
+    let spin = |i: u32| match bodies.kind[i as usize] {
+        RigidBody::Static => 0.0,
+        _ => bodies.angular_velocity[i as usize].length() * bodies.radius[i as usize],
+    };
+    relative_speed(bodies, pair) + spin(pair[0]) + spin(pair[1])
+}
+
 /// Upper bound of the speed that rotation, gravity and external forces add to a body's surface within `dt` seconds,
 /// m/s.
 pub(crate) fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f32 {

@@ -18,6 +18,9 @@ pub struct StepResults {
     pub near_pairs: Vec<NearPair>,
     /// Number of `near_pairs` that are tested with some triangles left out.
     pub approximate_pairs: usize,
+    /// Manifolds: number of searches for contact features on the CPU, in all collision substeps. A pair at rest has
+    /// none.
+    pub searches: usize,
     /// TriangleTest: touching pairs, intersecting faces and contact points.
     pub contacts: Contacts,
     /// Manifolds: contact points of solid bodies that touch or may touch within the step. Empty with

@@ -24,6 +24,7 @@ pub(super) fn begin(
     input.bodies.list_movers();
     scratch.schedule.set_all(1);
     results.crowd = Crowd::default();
+    results.searches = 0;
     scratch.most_near_pairs = None;
     scratch.near_in_step.clear();
     if input.config.response != Response::Contacts {

@@ -243,6 +243,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
                 &mut scratch.manifolds,
                 &mut results.manifolds,
             );
+            results.searches += scratch.manifolds.searches();
             scratch.first_contacts.add(
                 &config,
                 &input.bodies,

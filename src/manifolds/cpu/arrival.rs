@@ -40,6 +40,14 @@ pub struct Arrival<'a> {
     searches: u32,
 }
 
+/// Where a feature meets the other surface.
+fn place(feature: &Feature) -> DVec3 {
+    match feature.origin {
+        Origin::Vertex { side, .. } | Origin::VertexEdge { side, .. } => feature.points[usize::from(side)],
+        _ => feature.middle(),
+    }
+}
+
 impl<'a> Arrival<'a> {
     pub fn new(pair: &'a Pair<'a>, motion: &PairMotion) -> Self {
         let motion = PairMotion {
@@ -57,21 +65,23 @@ impl<'a> Arrival<'a> {
 
     /// Whether the solver may act on a feature.
     pub fn counts(&mut self, feature: &Feature) -> bool {
+        if self.is_certain(feature) {
+            return true;
+        }
+        let (at, fall) = (place(feature), self.motion.fall);
+        let way = self.way(at);
+        self.arrives(feature, at, way) && (fall == DVec3::ZERO || self.arrives(feature, at, way + fall))
+    }
+
+    /// Whether a feature counts without a search for the surface on which it arrives.
+    pub fn is_certain(&self, feature: &Feature) -> bool {
         let PairMotion { fall, rest_offset, .. } = self.motion;
         if feature.separation <= rest_offset || self.is_round(feature) {
             return true;
         }
-        let at = match feature.origin {
-            Origin::Vertex { side, .. } | Origin::VertexEdge { side, .. } => feature.points[usize::from(side)],
-            _ => feature.middle(),
-        };
-        let way = self.way(at);
         // What carries a body is not known here. The point must arrive on the surface with and without `fall`.
-        let [closing, falling] = [way, fall].map(|way| -feature.normal.dot(way));
-        if closing + falling.max(0.0) <= feature.separation - rest_offset {
-            return true;
-        }
-        self.arrives(feature, at, way) && (fall == DVec3::ZERO || self.arrives(feature, at, way + fall))
+        let [closing, falling] = [self.way(place(feature)), fall].map(|way| -feature.normal.dot(way));
+        closing + falling.max(0.0) <= feature.separation - rest_offset
     }
 
     /// Whether both surfaces are smooth and convex at the feature. The solver rotates the normal of their contact as

@@ -142,63 +142,132 @@ impl<'a> TrianglePair<'a> {
                 return None;
             }
         }
+        Some(self.vertex_over_plane(side, k))
+    }
+
+    /// The feature of corner `k` of `side`'s triangle and the other triangle's plane.
+    pub fn vertex_over_plane(&self, side: usize, k: usize) -> Feature {
+        let (own, over) = (self.triangles[side], self.triangles[1 - side]);
+        let (p, height) = (own.corners[k], self.heights[side][k]);
+        let foot = p - over.normal * height;
         let (points, normal) = if side == 1 {
             ([foot, p], over.normal)
         } else {
             ([p, foot], -over.normal)
         };
-        Some(Feature {
+        Feature {
             points,
             normal,
             separation: height,
             triangles: self.triangles.map(|t| t.number),
             origin: Origin::Vertex {
                 side: side as u8,
-                vertex,
+                vertex: self.sides[side].features.triangles[own.number as usize][k],
             },
-        })
+        }
     }
 
     /// The edge-edge feature of edge `k` of the first triangle and edge `l` of the second.
-    fn edges(&self, [k, l]: [usize; 2], range: &RangeInclusive<f64>) -> Option<Feature> {
-        let a = Edge::new(&self.sides[0], self.triangles[0], k);
-        let b = Edge::new(&self.sides[1], self.triangles[1], l);
-        let cross = a.along.cross(b.along);
-        let square = cross.length_squared();
+    fn edges(&self, places: [usize; 2], range: &RangeInclusive<f64>) -> Option<Feature> {
+        let lines = Lines::new(self, places);
         // The distance of the lines is tested first, because it rejects most pairs.
-        let way = b.start - a.start;
-        let product = way.dot(cross);
+        let product = lines.way.dot(lines.cross);
         let most = range.start().abs().max(range.end().abs());
-        if product * product > most * most * square {
+        if product * product > most * most * lines.square || lines.are_parallel() {
             return None;
         }
-        if square <= PARALLEL * PARALLEL * a.along.length_squared() * b.along.length_squared() {
+        let at = lines.nearest();
+        if !at.iter().all(|at| (0.0..=1.0).contains(at)) {
             return None;
         }
-        let at_a = way.cross(b.along).dot(cross) / square;
-        let at_b = way.cross(a.along).dot(cross) / square;
-        if !(0.0..=1.0).contains(&at_a) || !(0.0..=1.0).contains(&at_b) {
+        let faces = lines.other_faces(self.sides);
+        let normal = lines.normal(self.sides, faces);
+        let [a, b] = &lines.edges;
+        if !a.may_face(normal, faces[0]) || !b.may_face(-normal, faces[1]) {
             return None;
         }
-        let [own_a, own_b] = self.triangles.map(|t| t.normal);
-        let (other_a, other_b) = (self.sides[0].across(a.number), self.sides[1].across(b.number));
-        let mut normal = cross * square.sqrt().recip();
+        let feature = lines.feature(self, places, at, normal, faces);
+        range.contains(&feature.separation).then_some(feature)
+    }
+
+    /// The feature of the lines through these two edges; `None` if they are parallel.
+    pub fn edge_lines(&self, places: [usize; 2]) -> Option<Feature> {
+        let lines = Lines::new(self, places);
+        (!lines.are_parallel()).then(|| {
+            let faces = lines.other_faces(self.sides);
+            lines.feature(self, places, lines.nearest(), lines.normal(self.sides, faces), faces)
+        })
+    }
+}
+
+/// The lines through an edge of each of two triangles.
+struct Lines<'a> {
+    edges: [Edge<'a>; 2],
+    /// From the start of the first edge to that of the second.
+    way: DVec3,
+    /// The cross product of the edges, and its squared length.
+    cross: DVec3,
+    square: f64,
+}
+
+impl<'a> Lines<'a> {
+    #[inline(always)]
+    fn new(pair: &TrianglePair<'a>, [k, l]: [usize; 2]) -> Self {
+        let a = Edge::new(&pair.sides[0], pair.triangles[0], k);
+        let b = Edge::new(&pair.sides[1], pair.triangles[1], l);
+        let cross = a.along.cross(b.along);
+        Self {
+            edges: [a, b],
+            way: b.start - a.start,
+            cross,
+            square: cross.length_squared(),
+        }
+    }
+
+    #[inline(always)]
+    fn are_parallel(&self) -> bool {
+        let [a, b] = self.edges.each_ref().map(|edge| edge.along.length_squared());
+        self.square <= PARALLEL * PARALLEL * a * b
+    }
+
+    /// Where the lines are nearest, as fractions of the edges.
+    #[inline(always)]
+    fn nearest(&self) -> [f64; 2] {
+        let [a, b] = &self.edges;
+        [b, a].map(|other| self.way.cross(other.along).dot(self.cross) / self.square)
+    }
+
+    /// The normals of the faces on the other side of the edges.
+    fn other_faces(&self, sides: &[Side; 2]) -> [Option<DVec3>; 2] {
+        [0, 1].map(|i| sides[i].across(self.edges[i].number))
+    }
+
+    /// The common normal of the lines, from the first body to the second.
+    fn normal(&self, sides: &[Side; 2], [other_a, other_b]: [Option<DVec3>; 2]) -> DVec3 {
+        let [own_a, own_b] = self.edges.each_ref().map(|edge| edge.triangle.normal);
+        let normal = self.cross * self.square.sqrt().recip();
         // Boundary edges of a sheet have all normals from one side round to the other, so the other body's faces
         // determine the sign.
         let towards = match (other_a, other_b) {
             (Some(other), _) => own_a + other,
             (None, Some(other)) => -(own_b + other),
-            (None, None) => self.sides[1].center - self.sides[0].center,
+            (None, None) => sides[1].center - sides[0].center,
         };
-        if normal.dot(towards) < 0.0 {
-            normal = -normal;
-        }
-        if !a.may_face(normal, other_a) || !b.may_face(-normal, other_b) {
-            return None;
-        }
+        if normal.dot(towards) < 0.0 { -normal } else { normal }
+    }
+
+    fn feature(
+        &self,
+        pair: &TrianglePair,
+        places: [usize; 2],
+        at: [f64; 2],
+        normal: DVec3,
+        [other_a, other_b]: [Option<DVec3>; 2],
+    ) -> Feature {
         let mut nearest = (1.0 - 0.5 * ARC * ARC, normal);
         // Between rounded surfaces normals change without steps.
-        let is_rounded = rounding(self.sides) > 0.0;
+        let is_rounded = rounding(pair.sides) > 0.0;
+        let [own_a, own_b] = pair.triangles.map(|t| t.normal);
         let faces = [Some(own_a), other_a, Some(-own_b), other_b.map(|n| -n)];
         for face in faces.into_iter().flatten().filter(|_| !is_rounded) {
             let cosine = face.dot(normal);
@@ -206,15 +275,14 @@ impl<'a> TrianglePair<'a> {
                 nearest = (cosine, face);
             }
         }
-        let points = [a.start + a.along * at_a, b.start + b.along * at_b];
-        let separation = nearest.1.dot(points[1] - points[0]);
-        range.contains(&separation).then_some(Feature {
+        let points = [0, 1].map(|i| self.edges[i].start + self.edges[i].along * at[i]);
+        Feature {
             points,
             normal: nearest.1,
-            separation,
-            triangles: self.triangles.map(|t| t.number),
-            origin: Origin::Edges([k as u8, l as u8]),
-        })
+            separation: nearest.1.dot(points[1] - points[0]),
+            triangles: pair.triangles.map(|t| t.number),
+            origin: Origin::Edges(places.map(|place| place as u8)),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::candidates::{Candidates, FRACTIONS};
 use super::moved::CachedPoints;
 use super::pair::Pair;
+use super::resting::RestingFeatures;
 use super::search::{FeatureQuery, Search, Slack, Window};
 use crate::geometry::features::MeshFeatures;
 use glam::{DMat3, DVec3, Vec3};
@@ -38,6 +39,8 @@ pub struct Kept {
     pub was_apart: bool,
     /// The contact points, for the later collision substeps of the same step.
     pub points: CachedPoints,
+    /// The features of the pair while it hardly moves.
+    pub resting: RestingFeatures,
 }
 
 /// Candidates with the motion in which they are valid.
@@ -126,6 +129,7 @@ impl Kept {
 
     fn begin(&mut self, slack_limit: Option<f64>) {
         self.points.clear();
+        self.resting.clear();
         for kept in [&mut self.near, &mut self.deep] {
             (kept.found_at, kept.slack_limit, kept.is_large) = (None, slack_limit, false);
         }
@@ -143,14 +147,18 @@ impl RelativePose {
         }
     }
 
+    /// Whether a pair has the same meshes and scales.
+    pub fn is_of(&self, pair: &Pair) -> bool {
+        (0..2).all(|i| {
+            let side = &pair.sides[i];
+            self.scales[i] == side.scale && std::ptr::eq(self.meshes[i].as_ptr(), Arc::as_ptr(side.mesh.features()))
+        })
+    }
+
     /// Upper bound of the motion since then of the points of one body near the other, relative to it, metres; `None` if
     /// these are other bodies. `reach` bounds how far near points are apart.
     pub fn motion_to(&self, pair: &Pair, reach: f64) -> Option<f64> {
-        let same = (0..2).all(|i| {
-            let side = &pair.sides[i];
-            self.scales[i] == side.scale && std::ptr::eq(self.meshes[i].as_ptr(), Arc::as_ptr(side.mesh.features()))
-        });
-        if !same {
+        if !self.is_of(pair) {
             return None;
         }
         let (rotation, center) = (pair.relative_rotation, pair.sides[1].center);

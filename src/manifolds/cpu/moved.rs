@@ -145,6 +145,7 @@ mod tests {
             },
             reuse: Some(reuse),
             motion: None,
+            rest: None,
         };
         let mut points = Vec::new();
         assert!(pair_of_bodies(&bodies, meshes, [0, 1]).is_some());

@@ -60,6 +60,10 @@ pub struct Worker {
     /// For each patch, the rays through the deepest vertices, and where they start.
     deepest: Vec<[Option<(DVec3, Probe)>; 2]>,
     reduction: Reduction,
+    /// The features of a pair at rest.
+    pub resting: Vec<Feature>,
+    /// Number of calls of [`Worker::all`].
+    pub searches: usize,
 }
 
 impl Worker {
@@ -69,6 +73,7 @@ impl Worker {
     pub fn all(&mut self, pair: &Pair, margin: f32, kept: &mut Kept, threads: usize) -> &[Feature] {
         let margin = if margin > 0.0 { margin.min(f32::MAX) } else { 0.0 };
         let rounding = pair.rounding();
+        self.searches += 1;
         self.find(pair, f64::from(margin) + rounding, kept, threads);
         if !pair.sides.iter().any(Side::is_thin) {
             kept.near.limit();
