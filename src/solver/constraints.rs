@@ -208,16 +208,6 @@ impl Constraints {
 }
 
 impl BundlesMut<'_> {
-    /// Every pair and its points, in order.
-    pub fn pairs_with_points(&mut self) -> impl Iterator<Item = (&mut Pair, &mut [Point])> {
-        let mut points = &mut self.points[..];
-        self.pairs.iter_mut().map(move |pair| {
-            let (own, others) = std::mem::take(&mut points).split_at_mut(pair.count as usize);
-            points = others;
-            (pair, own)
-        })
-    }
-
     /// Splits the bundles in half until they are few enough for one task, and calls `f` with each.
     fn for_each<F: Fn(&Bundle, &mut BundlesMut) + Sync>(self, f: &F) {
         let count = self.bundles.len();

@@ -32,11 +32,11 @@ pub(super) struct Pass {
 }
 
 impl Pass {
-    /// A pass with bias velocity in a substep of `h` seconds.
-    pub fn new(settings: &SolverSettings, h: f32) -> Self {
+    /// A pass with bias velocity in a substep of `h` seconds, with these contact springs.
+    pub fn new(settings: &SolverSettings, h: f32, softness: Softness) -> Self {
         Self {
             h,
-            softness: Softness::new(settings, h),
+            softness,
             max_depenetration_speed: settings.max_depenetration_speed,
             deep_depenetration_speed: settings.deep_depenetration_speed,
             purpose: Purpose::Bias,

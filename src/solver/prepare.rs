@@ -10,6 +10,7 @@ use super::pace::Pace;
 use super::patch;
 use super::softness;
 use super::warm_start::{PointMatcher, WarmStart};
+use crate::parallel::loops;
 use crate::state::{ManifoldPoint, Manifolds};
 use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
@@ -26,9 +27,32 @@ pub(super) struct Source<'a> {
     pub gravity: Vec3,
 }
 
+/// Pairs that one task makes, at most.
+const GRAIN: usize = 256;
+
 impl Source<'_> {
+    /// Makes the constraints of the pairs of an island with this pace. `points` are those of all pairs, in order.
+    pub fn fill_all(&self, pairs: &mut [Pair], points: &mut [Point], pace: Pace) {
+        if pairs.len() > GRAIN {
+            let (pairs, more_pairs) = pairs.split_at_mut(pairs.len() / 2);
+            let count = pairs.iter().map(|pair| pair.count as usize).sum();
+            let (points, more_points) = points.split_at_mut(count);
+            loops::join(
+                || self.fill_all(pairs, points, pace),
+                || self.fill_all(more_pairs, more_points, pace),
+            );
+            return;
+        }
+        let mut rest = points;
+        for pair in pairs {
+            let own;
+            (own, rest) = rest.split_at_mut(pair.count as usize);
+            self.fill(pair, own, pace);
+        }
+    }
+
     /// Makes the constraint of one pair of an island with this pace. Invalid points have no effect.
-    pub fn fill(&self, pair: &mut Pair, points: &mut [Point], pace: Pace) {
+    fn fill(&self, pair: &mut Pair, points: &mut [Point], pace: Pace) {
         let [a, b] = pair.bodies.map(|i| i as usize);
         let settings = self.settings;
         let bodies = [&self.bodies.bodies[a], &self.bodies.bodies[b]];

@@ -10,6 +10,12 @@ pub(super) const SOFTEST: f32 = 100.0;
 /// How much more a body gives way at its corners, where contact points are, than at its centre. That of a cube.
 pub(super) const CORNER: f32 = 4.0;
 
+/// The contact springs of an island that gets fewer passes than this are damped less. Impulses that are far from
+/// converged would keep a large pile in motion for ever: each substep would take back another part of them.
+pub(super) const FEW_PASSES: u32 = 7;
+/// The largest damping ratio of such springs. They give way as far under a load, and forget a larger part of impulses.
+pub(super) const FEW_PASSES_DAMPING_RATIO: f32 = 1.5;
+
 /// Coefficients of a damped spring that is integrated by implicit Euler (Catto, "Soft Constraints", GDC 2011).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Softness {
@@ -24,8 +30,17 @@ pub(crate) struct Softness {
 impl Softness {
     /// The contact spring for a substep of `h` seconds.
     pub fn new(settings: &SolverSettings, h: f32) -> Self {
+        Self::damped(settings, h, settings.damping_ratio)
+    }
+
+    /// The contact spring of an island that gets few passes.
+    pub fn of_few_passes(settings: &SolverSettings, h: f32) -> Self {
+        Self::damped(settings, h, settings.damping_ratio.min(FEW_PASSES_DAMPING_RATIO))
+    }
+
+    fn damped(settings: &SolverSettings, h: f32, damping_ratio: f32) -> Self {
         let angular_frequency = TAU * settings.frequency / h;
-        let a1 = 2.0 * settings.damping_ratio + h * angular_frequency;
+        let a1 = 2.0 * damping_ratio + h * angular_frequency;
         let a2 = h * angular_frequency * a1;
         let a3 = 1.0 / (1.0 + a2);
         Self {

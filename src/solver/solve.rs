@@ -193,6 +193,13 @@ pub(super) fn solve<S: Simd>(
     residual
 }
 
+/// Begins the search along the changes of the last pass. It has no direction before.
+pub(super) fn begin_search(points: &mut [PointLanes]) {
+    for point in points {
+        point.search = point.change;
+    }
+}
+
 /// Moves the impulses of the lanes `live` on along the search direction. `keep` is the part of the last direction that
 /// the new one keeps.
 #[inline(always)]

@@ -20,6 +20,7 @@ use super::pass::Pass;
 use super::points::update_points;
 use super::prepare::Source;
 use super::restitution;
+use super::softness::{FEW_PASSES, Softness};
 use super::solve::{self, Residual};
 use crate::simd::lanes::{Select, Simd, SimdBase, bitmask, bits, f32x8, lanes, load as load_lanes, splat, store};
 use crate::simd::level::with_simd;
@@ -44,9 +45,7 @@ impl BundlesMut<'_> {
             self.limit_speeds(&all);
             return;
         }
-        for (pair, points) in self.pairs_with_points() {
-            source.fill(pair, points, pace);
-        }
+        source.fill_all(self.pairs, self.points, pace);
         self.load_constraints(&all);
         let point_counts = self.point_counts(&all);
         let mut direct = DirectIslands::default();
@@ -63,7 +62,8 @@ impl BundlesMut<'_> {
                 self.load_constraints(&group);
             }
             let passes = Passes::new(source.settings, &group, &point_counts);
-            let pass = Pass::new(source.settings, pace.refined(factor).h());
+            let h = pace.refined(factor).h();
+            let pass = Pass::new(source.settings, h, passes.softness(h));
             with_simd!(simd => {
                 self.scale_impulses(simd, 1.0 / factor as f32);
                 for _ in 0..pace.refined(factor).substeps {
@@ -150,23 +150,29 @@ impl BundlesMut<'_> {
         self.states.initial_velocities.copy_from_slice(self.states.velocities);
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             solve::begin_substep(simd, batch, points, self.states.initial_velocities, pass);
-        }
-        for (batch, points) in Batches::new(self.batches, self.lanes) {
             solve::apply_impulses(simd, batch, points, self.states.velocities, splat(simd, 1.0));
         }
-        let unconverged = self.solve(simd, pass, passes, passes.settings.bias_iterations, ALL_LANES, direct);
+        let settings = passes.settings;
+        let unconverged = self.solve(simd, pass, passes, settings.bias_iterations, ALL_LANES, false, direct);
         self.integrate_poses(group);
         let pass = pass.relaxing();
-        for (batch, points) in Batches::new(self.batches, self.lanes) {
-            move_impulses(simd, batch, points, &mut self.states, unconverged);
-            pass.aim(simd, batch, points);
+        let impulses_move = unconverged != 0 || self.batches.iter().any(|batch| batch.bounces_off != 0);
+        if impulses_move {
+            for (batch, points) in Batches::new(self.batches, self.lanes) {
+                move_impulses(simd, batch, points, &mut self.states, unconverged);
+                pass.aim(simd, batch, points);
+            }
         }
-        self.solve(simd, &pass, passes, passes.settings.relax_iterations, ALL_LANES, direct);
+        let moves = !impulses_move;
+        self.solve(simd, &pass, passes, settings.relax_iterations, ALL_LANES, moves, direct);
         self.apply_restitution(simd, &pass, passes, direct);
     }
 
     /// Passes over all pairs of the islands in the lanes `live` until they have converged, at least `least` passes.
     /// Returns the lanes with pairs of islands whose passes have not.
+    ///
+    /// If the points have to move with their bodies before, the first pass moves those of each batch: in a large island
+    /// they would not be in the cache any more.
     #[inline(always)]
     fn solve<S: Simd>(
         &mut self,
@@ -175,6 +181,7 @@ impl BundlesMut<'_> {
         passes: &Passes,
         least: u32,
         mut live: u32,
+        moves: bool,
         direct: &mut DirectIslands,
     ) -> u32 {
         let zero = splat(simd, 0.0);
@@ -184,6 +191,10 @@ impl BundlesMut<'_> {
             let live_lanes = lanes(simd, live);
             let mut residual = Residual::zero(simd);
             for (batch, points) in Batches::new(self.batches, self.lanes) {
+                if moves && iteration == 1 {
+                    update_points(simd, batch, points, &self.states);
+                    pass.aim(simd, batch, points);
+                }
                 let own = solve::solve(simd, batch, points, self.states.velocities, pass, live_lanes);
                 if passes.side_by_side {
                     residual.add(own);
@@ -205,11 +216,17 @@ impl BundlesMut<'_> {
             // The first direction has no predecessor, and one that leads away is dropped.
             let energy = residual.energy;
             let keep = energy.simd_lt(last_energy).select(energy / last_energy, zero);
+            last_energy = energy;
+            if bitmask(keep.simd_gt(zero)) & live == 0 {
+                if !passes.are_last(iteration + 1, least, live) {
+                    solve::begin_search(self.lanes);
+                }
+                continue;
+            }
             let live_lanes = lanes(simd, live);
             for (batch, points) in Batches::new(self.batches, self.lanes) {
                 solve::extrapolate(simd, batch, points, self.states.velocities, live_lanes, keep);
             }
-            last_energy = energy;
         }
         unconverged
     }
@@ -250,6 +267,7 @@ impl BundlesMut<'_> {
                 passes,
                 passes.settings.restitution_iterations,
                 live,
+                false,
                 direct,
             );
             for (_, points) in Batches::new(self.batches, self.lanes) {
@@ -282,6 +300,16 @@ impl<'a> Passes<'a> {
         }
     }
 
+    /// The contact springs for substeps of `h` seconds. Islands side by side have so few points that none of them gets
+    /// few passes, unless the settings allow few.
+    fn softness(&self, h: f32) -> Softness {
+        if self.most[0] < FEW_PASSES {
+            Softness::of_few_passes(self.settings, h)
+        } else {
+            Softness::new(self.settings, h)
+        }
+    }
+
     /// The lanes whose islands need no pass after this one, if `converged` are those whose pairs have converged.
     #[inline(always)]
     fn ended(&self, iteration: u32, least: u32, converged: u32) -> u32 {
@@ -295,6 +323,11 @@ impl<'a> Passes<'a> {
         bits(ALL_LANES & !converged)
             .filter(|&lane| iteration >= self.most[lane].max(least))
             .fold(converged, |ended, lane| ended | 1 << lane)
+    }
+
+    /// Whether the passes over the islands in the lanes `live` end with this one.
+    fn are_last(&self, iteration: u32, least: u32, live: u32) -> bool {
+        bits(live).all(|lane| iteration >= self.most[lane].max(least))
     }
 
     /// The numbers of the islands that have pairs in these lanes.

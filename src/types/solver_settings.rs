@@ -46,7 +46,8 @@ pub struct SolverSettings {
     /// time step supports with a margin (Catto, "Solver2D", 2024).
     pub frequency: f32,
     /// Damping ratio of the contact spring. Default 10: strongly overdamped, so that pushing bodies out of an overlap
-    /// does not throw them.
+    /// does not throw them. In an island of more than 285 points, which gets few passes, it is at most 1.5: with more,
+    /// large piles would never come to rest.
     pub damping_ratio: f32,
     /// Largest speed at which overlapping bodies are pushed apart, in m/s. Default 3.
     pub max_depenetration_speed: f32,

@@ -70,6 +70,24 @@ pub fn pyramid(rows: usize, seconds: usize) {
     );
 }
 
+/// A pile of so many points that the solver has few passes for each comes to rest too, and is not searched again.
+#[test]
+fn a_pyramid_of_465_cubes_comes_to_rest() {
+    let mut world = World::of(&scenes::pyramid(30, GAP));
+    world.seconds(5);
+    let (mut fastest, mut searches, mut pairs) = (0.0f32, 0, 0);
+    for _ in 0..32 {
+        world.step();
+        let velocities = &world.state.input.bodies.linear_velocity;
+        fastest = velocities.iter().map(|v| v.length()).fold(fastest, f32::max);
+        searches += world.state.results.searches;
+        pairs += world.state.results.near_pairs.len();
+    }
+    println!("at most {fastest:.5} m/s, {searches} searches for {pairs} pairs");
+    assert!(fastest < 0.01, "{fastest} m/s");
+    assert!(pairs > 32 * 800 && 10 * searches < pairs, "{searches} of {pairs}");
+}
+
 #[test]
 fn a_pyramid_of_fifteen_cubes_stands() {
     pyramid(5, 30);

@@ -33,7 +33,7 @@ pub fn pyramid(rows: usize, gap: f32) -> Scene {
     for row in 0..rows {
         for k in 0..rows - row {
             // Neighbours are farther apart than their margin.
-            let x = 1.05 * (k as f32 + 0.5 * row as f32);
+            let x = 1.05 * (k as f32 - 0.5 * (rows - 1 - row) as f32);
             let y = 0.5 + gap + (1.0 + gap) * row as f32;
             scene.add(Body::new(Shape::Cube, Vec3::new(x, y, 0.0), Quat::IDENTITY));
         }
