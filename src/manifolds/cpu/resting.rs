@@ -53,7 +53,7 @@ pub struct RestingFeatures {
 struct Cell {
     center: [i64; 3],
     rotation: [i64; 4],
-    margin: u32,
+    margin: f32,
 }
 
 /// What a feature is derived from.
@@ -96,7 +96,7 @@ impl RestingPair<'_> {
                 ..*placed[i]
             });
             let at_cell = Pair::new([&a, &b]);
-            let found = worker.reduced(&at_cell, cell.margin as f32 * MARGIN * rest.margin, kept, threads);
+            let found = worker.reduced(&at_cell, cell.margin, kept, threads);
             kept.resting.set(cell, &at_cell, found);
         }
         let is_complete = kept.resting.compute(pair, margin, &mut worker.resting);
@@ -125,13 +125,14 @@ impl Rest {
 impl Cell {
     /// The cell of a pair.
     fn of(pair: &Pair, margin: f32, rest: &Rest) -> Self {
+        let unit = MARGIN * rest.margin;
         let (center, rotation) = smaller_in_larger(pair);
         let rotation = DQuat::from_mat3(&rotation);
         let rotation = if rotation.dot(SIGN) < 0.0 { -rotation } else { rotation };
         Self {
             center: (center / (CELL * pair.size)).to_array().map(|x| x.round() as i64),
             rotation: rotation.to_array().map(|x| (x / TURN).round() as i64),
-            margin: (margin / (MARGIN * rest.margin)).ceil() as u32,
+            margin: (margin / unit).ceil() * unit,
         }
     }
 
