@@ -288,18 +288,11 @@ fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2])
 
 /// The two placed bodies; `None` if the indices name no pair of bodies.
 fn placed_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Option<[PlacedMesh<'a>; 2]> {
-    let [a, b] = pair.map(|i| i as usize);
-    if a == b || a.max(b) >= bodies.len() {
-        return None;
-    }
-    let placed = |i: usize| {
-        Some(PlacedMesh {
-            mesh: &meshes.get(bodies.mesh[i])?.mesh,
-            frame: &bodies.frame[i],
-            scale: bodies.scale[i],
-            radius: bodies.radius[i],
-            rounding: bodies.rounding[i],
-        })
+    let has_mesh = |i: u32| {
+        bodies
+            .mesh
+            .get(i as usize)
+            .is_some_and(|&mesh| meshes.get(mesh).is_some())
     };
-    Some([placed(a)?, placed(b)?])
+    (pair[0] != pair[1] && pair.into_iter().all(has_mesh)).then(|| pair.map(|i| PlacedMesh::of(bodies, meshes, i)))
 }

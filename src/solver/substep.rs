@@ -163,8 +163,15 @@ impl BundlesMut<'_> {
                 pass.aim(simd, batch, points);
             }
         }
-        let moves = !impulses_move;
-        self.solve(simd, &pass, passes, settings.relax_iterations, ALL_LANES, moves, direct);
+        self.solve(
+            simd,
+            &pass,
+            passes,
+            settings.relax_iterations,
+            ALL_LANES,
+            !impulses_move,
+            direct,
+        );
         self.apply_restitution(simd, &pass, passes, direct);
     }
 
