@@ -7,7 +7,7 @@
 // Between colours only the velocities of bodies go from thread to thread: the same thread visits the points of a pair
 // in each pass. A small island keeps these velocities in workgroup memory. On a real GPU a barrier for storage buffers
 // drops their cached data, and the next colour would then wait for memory at each point.
-#import faceoff::constants::solver::{FEW_PASSES, FEW_PASSES_DAMPING_RATIO, PASS_BUDGET, RESTITUTION_TOLERANCE, SUBSTEP_BUDGET}
+#import faceoff::constants::solver::{FEW_PASSES, PASS_BUDGET, RESTITUTION_TOLERANCE, SUBSTEP_BUDGET}
 #import faceoff::contact as c
 #import faceoff::contact::{body_states, collision_substep, point_states, solver_pairs}
 #import faceoff::dispatch::group_index
@@ -265,13 +265,14 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
             }
             end_color();
         }
-        let passes = min(collision_substep.max_iterations, PASS_BUDGET / max(island.points, 1u));
-        let spring = contact_spring(island.pace, h, passes < FEW_PASSES);
+        let has_few_passes = min(collision_substep.max_iterations, PASS_BUDGET / max(island.points, 1u)) < FEW_PASSES;
+        let rate = select(island.pace.bias_rate, island.pace.few_bias_rate, has_few_passes);
         var parameters = v::Pass(
             h,
-            spring.rate,
-            spring.mass_scale,
-            spring.impulse_scale,
+            // The rate of the spring is proportional to the rate of substeps.
+            rate * (island.pace.h / h),
+            select(island.pace.mass_scale, island.pace.few_mass_scale, has_few_passes),
+            select(island.pace.impulse_scale, island.pace.few_impulse_scale, has_few_passes),
             purpose,
             collision_substep.convergence_speed,
         );
@@ -310,27 +311,6 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, factor: u32) {
         end_impacts(solver_pairs[island_pairs[k].pair]);
     }
     storageBarrier();
-}
-
-// The coefficients of a contact spring, see `src/solver/softness.rs`.
-struct ContactSpring {
-    rate: f32,
-    mass_scale: f32,
-    impulse_scale: f32,
-}
-
-// The contact spring in substeps of `h` seconds, of an island that gets few passes or more.
-fn contact_spring(pace: s::Pace, h: f32, few_passes: bool) -> ContactSpring {
-    // The rate of the spring is proportional to the rate of substeps.
-    let rate = pace.bias_rate * (pace.h / h);
-    let frequency = sqrt(pace.stiffness);
-    let turn = frequency * pace.h;
-    let a1 = 2.0 * FEW_PASSES_DAMPING_RATIO + turn;
-    if !few_passes || frequency <= pace.bias_rate * a1 {
-        return ContactSpring(rate, pace.mass_scale, pace.impulse_scale);
-    }
-    let a2 = turn * a1;
-    return ContactSpring(turn / (h * a1), a2 / (1.0 + a2), 1.0 / (1.0 + a2));
 }
 
 // Integrates the velocities of the bodies that a pair owns, or their poses. `h` is the length of a substep of the

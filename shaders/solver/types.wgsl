@@ -41,13 +41,18 @@ struct Pace {
     dt: f32,
     // Number of substeps in it.
     substeps: u32,
+    // Acceleration by the contact spring per metre, 1/s^2.
+    stiffness: f32,
     // The contact spring.
     bias_rate: f32,
     mass_scale: f32,
     impulse_scale: f32,
-    // Acceleration by the contact spring per metre, 1/s^2.
-    stiffness: f32,
-    padding: u32,
+    padding_a: u32,
+    // The contact spring of islands that get few passes.
+    few_bias_rate: f32,
+    few_mass_scale: f32,
+    few_impulse_scale: f32,
+    padding_b: u32,
 }
 
 // Properties of a collider and its body, constant within a step. A body has the number of its first collider.

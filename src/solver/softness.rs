@@ -14,7 +14,7 @@ pub(super) const CORNER: f32 = 4.0;
 /// converged would keep a large pile in motion for ever: each substep would take back another part of them.
 pub(super) const FEW_PASSES: u32 = 7;
 /// The largest damping ratio of such springs. They give way as far under a load, and forget a larger part of impulses.
-pub(super) const FEW_PASSES_DAMPING_RATIO: f32 = 1.5;
+const FEW_PASSES_DAMPING_RATIO: f32 = 1.5;
 
 /// Coefficients of a damped spring that is integrated by implicit Euler (Catto, "Soft Constraints", GDC 2011).
 #[derive(Clone, Copy, Debug)]

@@ -19,8 +19,9 @@ layout! {
     }
     /// How a body with a given number of collision substeps passes through a step.
     Pace {
-        h: f32, dt: f32, substeps: u32, bias_rate: f32,
-        mass_scale: f32, impulse_scale: f32, stiffness: f32, padding: u32,
+        h: f32, dt: f32, substeps: u32, stiffness: f32,
+        bias_rate: f32, mass_scale: f32, impulse_scale: f32, padding_a: u32,
+        few_bias_rate: f32, few_mass_scale: f32, few_impulse_scale: f32, padding_b: u32,
     }
     /// Properties of a body, constant within a step.
     SolverBody {

@@ -74,7 +74,6 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 SOFTEST = softness::SOFTEST;
     f32 CORNER = softness::CORNER;
     u32 FEW_PASSES = softness::FEW_PASSES;
-    f32 FEW_PASSES_DAMPING_RATIO = softness::FEW_PASSES_DAMPING_RATIO;
     f32 MAX_COMPRESSION = load::MAX_COMPRESSION;
     f32 MAX_FACTOR = load::MAX_FACTOR;
     f32 SQUEEZED = load::SQUEEZED;

@@ -53,10 +53,10 @@ pub fn collision_substep(
     }
 }
 
-/// A pace, with the contact spring of its substeps.
+/// A pace, with the contact springs of its substeps.
 pub fn pace(settings: &SolverSettings, pace: Pace) -> layout::Pace {
     let h = pace.h();
-    let softness = Softness::new(settings, h);
+    let (softness, few) = (Softness::new(settings, h), Softness::of_few_passes(settings, h));
     layout::Pace {
         h,
         dt: pace.dt,
@@ -64,6 +64,9 @@ pub fn pace(settings: &SolverSettings, pace: Pace) -> layout::Pace {
         bias_rate: softness.bias_rate,
         mass_scale: softness.mass_scale,
         impulse_scale: softness.impulse_scale,
+        few_bias_rate: few.bias_rate,
+        few_mass_scale: few.mass_scale,
+        few_impulse_scale: few.impulse_scale,
         stiffness: (TAU * settings.frequency / h).powi(2),
         ..Default::default()
     }
